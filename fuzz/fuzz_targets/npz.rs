@@ -1,4 +1,5 @@
-//! Reads any bytes as an archive of arrays. What a member is said to be is what comes out of it, however it is taken.
+//! Reads any bytes as an archive of arrays. What a member is said to be is what comes out of it, however it
+//! is taken.
 
 #![no_main]
 

@@ -1,4 +1,5 @@
-//! Reads any bytes as an OpenDRIVE file. What is read survives writing, a map can be made of it, and the map answers.
+//! Reads any bytes as an OpenDRIVE file. What is read survives writing, a map can be made of it, and the map
+//! answers.
 
 #![no_main]
 

@@ -1,4 +1,5 @@
-//! Reads any bytes as a model of a pack: a length, a page of that many bytes, and the rest as its glTF file. What is read can be shown.
+//! Reads any bytes as a model of a pack: a length, a page of that many bytes, and the rest as its glTF file.
+//! What is read can be shown.
 
 #![no_main]
 

@@ -1,5 +1,5 @@
-//! Reads any bytes as a file of boxes: an array of objects with its pickle, and as the pickle alone. There is an answer, of bounded
-//! size, and nothing is called.
+//! Reads any bytes as a file of boxes: an array of objects with its pickle, and as the pickle alone. There is
+//! an answer, of bounded size, and nothing is called.
 
 #![no_main]
 

@@ -1,5 +1,5 @@
-//! Programs and documentation that `make test` leaves out hold no test: `test = false` and `doctest = false` spare
-//! building them.
+//! Programs and documentation that `make test` leaves out hold no test: `test = false` and `doctest = false`
+//! spare building them.
 
 use std::fs;
 use std::path::{Path, PathBuf};

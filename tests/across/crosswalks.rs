@@ -12,8 +12,8 @@ use store::{Scope, Store, keys};
 
 use crate::masks::mask_is_the_polygons;
 
-/// At 78 to 82 m of a street of 200 m to the east, half a metre short of its edges. (Masks show crosswalks where there is
-/// road.)
+/// At 78 to 82 m of a street of 200 m to the east, half a metre short of its edges. (Masks show crosswalks
+/// where there is road.)
 const CROSSWALK_M: [[f64; 3]; 4] = [[78.0, -3.0, 0.0], [82.0, -3.0, 0.0], [82.0, 3.0, 0.0], [78.0, 3.0, 0.0]];
 
 fn network() -> Network {

@@ -218,8 +218,8 @@ fn shards_make_the_same_dataset_as_one_run() {
     assert!(nowhere.code == 2 && nowhere.stderr.contains("SLURM_ARRAY_TASK_ID"), "{nowhere:?}");
 }
 
-/// Whatever keeps a file of `convoy` from being written, the exit code is that of a stage that cannot write: the limit on
-/// the size of files stands for quotas and full disks.
+/// Whatever keeps a file of `convoy` from being written, the exit code is that of a stage that cannot write:
+/// the limit on the size of files stands for quotas and full disks.
 #[test]
 fn convoy_ends_like_a_stage_when_it_cannot_write() {
     let folder = tempfile::tempdir().expect("a temporary folder");

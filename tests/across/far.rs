@@ -18,7 +18,8 @@ use store::Store;
 /// Where the other scene starts, metres along the road.
 const FAR_M: f64 = 1100.0;
 
-/// A fast street of 3 km to the north-east, with sidewalks, a broken line in its middle and another street across it at 1.1 km.
+/// A fast street of 3 km to the north-east, with sidewalks, a broken line in its middle and another street
+/// across it at 1.1 km.
 fn network() -> Network {
     let lanes = [(LaneType::Driving, 3.5), (LaneType::Shoulder, 1.5), (LaneType::Sidewalk, 3.0)];
     let mut section = testkit::both_ways(&lanes);
@@ -177,8 +178,8 @@ fn tiles_are_shared_counted_and_missed() {
     bench.run("simulate-and-log", &["--force"]).expect_done();
     assert_eq!(before, std::fs::metadata(&path).and_then(|m| m.modified()).expect("is there"));
 
-    // A tile that was cut short is seen by verify; gone with its manifest, whoever needs it says what to do; and it
-    // comes back as it was.
+    // A tile that was cut short is seen by verify; gone with its manifest, whoever needs it says what to do;
+    // and it comes back as it was.
     let folder = path.parent().expect("has a folder").to_owned();
     let bytes = std::fs::read(&path).expect("reads");
     std::fs::write(&path, &bytes[..bytes.len() / 2]).expect("truncates");

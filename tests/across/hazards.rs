@@ -1,4 +1,5 @@
-//! Accidents and road works through the real programs: what is planned stands in the log, in the boxes and in the masks.
+//! Accidents and road works through the real programs: what is planned stands in the log, in the boxes and in
+//! the masks.
 
 use std::collections::BTreeMap;
 use std::fs::File;

@@ -1,5 +1,5 @@
-//! What programs say of themselves. `INSTA_UPDATE=always cargo nextest run -p convoy-tests help` rewrites the texts; read
-//! the difference.
+//! What programs say of themselves. `INSTA_UPDATE=always cargo nextest run -p convoy-tests help` rewrites the
+//! texts; read the difference.
 
 use std::process::Command;
 

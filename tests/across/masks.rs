@@ -29,8 +29,8 @@ fn edge_m(polygon: &[Point2<f64>], at: Point2<f64>) -> f64 {
     polygon.iter().zip(next).map(away).fold(f64::INFINITY, f64::min)
 }
 
-/// Compares a mask's channel with the union of polygons in the world, cell by cell, and says how many cells carry it.
-/// Masks have 400 x 400 cells of 0.4 m.
+/// Compares a mask's channel with the union of polygons in the world, cell by cell, and says how many cells
+/// carry it. Masks have 400 x 400 cells of 0.4 m.
 pub(crate) fn mask_is_the_polygons(
     polygons: &[&[[f64; 3]]],
     class: BevClass,

@@ -32,7 +32,8 @@ fn config() -> String {
     let seconds = seconds.replace("[walkers]\ncount = 12\n", "[walkers]\ncount = 60\nwaiting = 0\n");
     let clear = "sun_altitude_deg = 30\ncloudiness = 0\nprecipitation = 0\nfog_density = 0\ndust_storm = 0\n";
     let seconds = seconds.replace("sun_altitude_deg = 30\n", clear).replace("vehicles = 12", "vehicles = 30");
-    // The van is higher than the cars whose roofs lidars are made for: from here the lowest beams just pass its roof.
+    // The van is higher than the cars whose roofs lidars are made for: from here the lowest beams just pass
+    // its roof.
     let seconds = seconds.replace("[vehicle.lidar]\n", "[vehicle.lidar]\nxyz_m = [0, 0, 4.2]\n");
     format!("{seconds}{ITSELF}[models]\npacks = [\"pack\"]\n")
 }

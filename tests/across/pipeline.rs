@@ -46,7 +46,8 @@ fn one_dataset_however_it_is_made() {
     stale_exactly_where_it_should_be(&whole);
 }
 
-/// Starts each stage, kills it without warning after a while, and again a little later, until it ends by itself.
+/// Starts each stage, kills it without warning after a while, and again a little later, until it ends by
+/// itself.
 fn run_killed(bench: &Bench) {
     for stage in ["spawn-planner"].into_iter().chain(SCENE_STAGES).chain(["stats"]) {
         // The first kill comes before anything can be done.

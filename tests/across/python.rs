@@ -1,5 +1,5 @@
-//! The Python package on a small store: its own tests, which hold it against the tables, and the examples of its page; the
-//! baseline's tests, where there is PyTorch.
+//! The Python package on a small store: its own tests, which hold it against the tables, and the examples of
+//! its page; the baseline's tests, where there is PyTorch.
 
 use convoy_tests::{Bench, TINY, check_in_python, program};
 

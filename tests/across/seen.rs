@@ -1,4 +1,5 @@
-//! What cameras see of a town, by pictures and by rays through their pixels: the same triangles, pixel by pixel.
+//! What cameras see of a town, by pictures and by rays through their pixels: the same triangles, pixel by
+//! pixel.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -118,13 +119,14 @@ fn a_towns_pictures_are_what_rays_see() {
         let found = rays.compare(&world, &seen, &hits).unwrap_or_else(|why| panic!("{name}: {why}"));
         assert!(found.seen > 40_000, "{name}: {found:?}");
         eprintln!("{name}: {found:?}");
-        // Through a telephoto lens of 6 degrees rounding is twenty times as wide, and what is far off has triangles of a pixel: there
-        // only what differs is judged (above), as everywhere.
+        // Through a telephoto lens of 6 degrees rounding is twenty times as wide, and what is far off has
+        // triangles of a pixel: there only what differs is judged (above), as everywhere.
         if name != "distant" {
             all += found;
         }
     }
     eprintln!("all but the distant: {all:?}");
-    // What rounding may decide is rare: how rare depends on how small the triangles are that are seen from above.
+    // What rounding may decide is rare: how rare depends on how small the triangles are that are seen from
+    // above.
     assert!(all.on_edges * 50 < all.seen, "{all:?}");
 }

@@ -1,5 +1,6 @@
-//! The viewer's page over a real store, in a headless Chromium: every mode at a desktop's and a phone's width, an excerpt from a
-//! file. Errors on the console fail. `CONVOY_SHOTS` names a folder that keeps the screenshots.
+//! The viewer's page over a real store, in a headless Chromium: every mode at a desktop's and a phone's
+//! width, an excerpt from a file. Errors on the console fail. `CONVOY_SHOTS` names a folder that keeps the
+//! screenshots.
 
 use std::env;
 use std::io::{BufRead, BufReader};
@@ -82,7 +83,8 @@ fn the_page_says_which_stage_to_run() {
     Outcome::of(&output).expect_done();
 }
 
-/// What the dataset of an imported store did not say is not painted, and no stage is named that has no log to be made from.
+/// What the dataset of an imported store did not say is not painted, and no stage is named that has no log to
+/// be made from.
 #[test]
 fn the_page_says_what_imports_do_not_know() {
     let Some(chromium) = chromium() else { return };

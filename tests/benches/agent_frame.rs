@@ -1,5 +1,6 @@
-//! Seconds per agent-frame, part by part, beside the budgets of the design: the full default sensor suite on our own
-//! town; and how fast road networks are. Run by `make bench`; numbers mean something on an idle machine only.
+//! Seconds per agent-frame, part by part, beside the budgets of the design: the full default sensor suite on
+//! our own town; and how fast road networks are. Run by `make bench`; numbers mean something on an idle
+//! machine only.
 
 mod features;
 mod materials;
@@ -269,7 +270,8 @@ impl<'a> Agentframe<'a> {
         let raster = best(3, || scene.render(&pinholes));
         let seen = scene.render(&pinholes).expect("has no device");
         let shots: Vec<Shot<'_>> = views.iter().zip(&seen).map(|(view, seen)| Shot { view, seen }).collect();
-        // The painter keeps the sky of a frame, and what the sun sees of all that stands still, which frames and agents share.
+        // The painter keeps the sky of a frame, and what the sun sees of all that stands still, which frames
+        // and agents share.
         let painter = CpuPainter::new(&self.renderer, self);
         let place = origin.local_from_world(self.pose.xyz());
         let paint = || painter.paint(scene, &when, place, &shots).expect("has no device");
@@ -305,8 +307,8 @@ impl<'a> Agentframe<'a> {
         CameraTimes { raster, shade, encode, others, materials }
     }
 
-    /// Shading with one feature of pictures after the other switched on or off; `bare` is the same world without the sky's light on
-    /// bodies.
+    /// Shading with one feature of pictures after the other switched on or off; `bare` is the same world
+    /// without the sky's light on bodies.
     fn features(&self, bare: &SceneWorld) -> Vec<Feature> {
         let rig = &self.settings.vehicle_rig;
         let before = self.log.states.iter().find(|s| s.frame == FRAME - 1 && s.id == self.own);
@@ -449,8 +451,8 @@ impl<'a> Agentframe<'a> {
 fn print(rows: &[Row], triangles: usize) {
     println!("\nconvoy/demo, {triangles} triangles in sight, {} threads", rayon::current_num_threads());
     print_rows(rows);
-    // The second voxel grid is encoded too; the simulation is shared by all agents of a scene, and what has no budget is not of
-    // the suite.
+    // The second voxel grid is encoded too; the simulation is shared by all agents of a scene, and what has
+    // no budget is not of the suite.
     let npz = rows.iter().filter(|r| r.part.starts_with("voxel npz"));
     let all = rows.iter().skip(1).filter(|r| r.budget_s.is_finite()).chain(npz);
     let (wall_s, cpu_s) = all.fold((0.0, 0.0), |(w, c), r| (w + r.taken.wall_s, c + r.taken.cpu_s));

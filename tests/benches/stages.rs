@@ -1,7 +1,8 @@
-//! Whole stages as users run them: seconds and processor seconds an agent-frame with writing, and memory at its peak.
+//! Whole stages as users run them: seconds and processor seconds an agent-frame with writing, and memory at
+//! its peak.
 //!
-//! Run by `make bench` on the release build: the programs themselves make scenes of a second with the full default suite on two
-//! threads. Numbers mean something on an idle machine only.
+//! Run by `make bench` on the release build: the programs themselves make scenes of a second with the full
+//! default suite on two threads. Numbers mean something on an idle machine only.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -62,7 +63,8 @@ struct Taken {
 /// Processor seconds of all programs that ended.
 fn children_s() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // Behind the name in brackets, which may hold anything: user and system time of children are the 14th and 15th.
+    // Behind the name in brackets, which may hold anything: user and system time of children are the 14th and
+    // 15th.
     let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
     let ticks = |i: usize| fields.get(i).and_then(|f| f.parse::<f64>().ok()).unwrap_or(0.0);
     (ticks(13) + ticks(14)) / TICKS

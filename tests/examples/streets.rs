@@ -1,4 +1,5 @@
-//! Colour pictures of a built-in town, to look at: `cargo run -p convoy-tests --example streets -- FOLDER [WEATHER [TOWN [X Y]]]`.
+//! Colour pictures of a built-in town, to look at:
+//! `cargo run -p convoy-tests --example streets -- FOLDER [WEATHER [TOWN [X Y]]]`.
 
 use std::error::Error;
 use std::fs::File;
@@ -15,8 +16,8 @@ use settings::{CameraSettings, CameraSpec, Mount, Optics, SceneryRules};
 use shading::{CpuPainter, FrameWeather, Painter, Shot};
 use world::{Light, Moment, OwnModels, SceneWorld};
 
-/// Name, height over the road, sideways from the middle of the lane, pitch downwards, yaw to the left, field of view, in degrees
-/// and metres.
+/// Name, height over the road, sideways from the middle of the lane, pitch downwards, yaw to the left, field
+/// of view, in degrees and metres.
 const VIEWS: [(&str, [f64; 5]); 6] = [
     ("ahead", [1.6, 0.0, 2.0, 0.0, 80.0]),
     ("moved", [1.6, 0.03, 2.0, 0.0, 80.0]),

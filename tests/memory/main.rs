@@ -1,4 +1,5 @@
-//! Stages hold a few frames at a time, whatever the scene's length: no more memory for many frames than for some.
+//! Stages hold a few frames at a time, whatever the scene's length: no more memory for many frames than for
+//! some.
 //!
 //! One test in a program of its own: the allocator counts for all threads.
 
@@ -147,7 +148,8 @@ fn frames_are_not_gathered() {
     pool.install(a_fine_grid_is_never_whole);
 }
 
-/// 6,400 x 6,400 x 400 cells of 2 cm, a million of them occupied: eight slices of the grid a thread, and what is listed.
+/// 6,400 x 6,400 x 400 cells of 2 cm, a million of them occupied: eight slices of the grid a thread, and what
+/// is listed.
 fn a_fine_grid_is_never_whole() {
     let mut world = WorldBuilder::default();
     world.add(sheet(Tag::Road, [-10.0, 10.0], [-10.0, 10.0], 1.0, |x, _| 0.02 * x), 1, [0.0; 3], [0.0; 3]);

@@ -105,8 +105,8 @@ voxel_m = 0.5
 "#
 );
 
-/// Runs a script of `tests` in Python with some arguments, and expects that it finds nothing wrong. With exit code 77 it
-/// says that it could not look at everything: a note.
+/// Runs a script of `tests` in Python with some arguments, and expects that it finds nothing wrong. With exit
+/// code 77 it says that it could not look at everything: a note.
 ///
 /// # Panics
 /// It finds something wrong, or there is no Python with these packages and `CONVOY_REQUIRE` names it.

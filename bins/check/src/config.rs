@@ -293,7 +293,8 @@ impl AgentConfig {
         self.list("cameras").map(|camera| (mounted(camera), Optics::of(&camera["optics"]))).collect()
     }
 
-    /// Whether its cameras take a kind of image (`rgb`, `semantic`, `instance`, `depth`, `flow`), or another flag of theirs is on.
+    /// Whether its cameras take a kind of image (`rgb`, `semantic`, `instance`, `depth`, `flow`), or another
+    /// flag of theirs is on.
     pub(crate) fn takes(&self, kind: &str) -> bool {
         self.rig["camera"][kind].as_bool().unwrap_or(false)
     }

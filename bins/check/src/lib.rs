@@ -1,8 +1,9 @@
 //! Checks the labels of a finished store against each other.
 //!
-//! Only files are read, and nothing is shared with the programs that made them but the numbers and names of `schema`: tables
-//! by `parquet`, arrays by `rawzip` and a header parser of its own, images by `png`; rotations, projections and counts are
-//! written anew here. What exempts from a check is read from the configuration and from columns, and told.
+//! Only files are read, and nothing is shared with the programs that made them but the numbers and names of
+//! `schema`: tables by `parquet`, arrays by `rawzip` and a header parser of its own, images by `png`;
+//! rotations, projections and counts are written anew here. What exempts from a check is read from the
+//! configuration and from columns, and told.
 
 mod checks;
 mod config;
@@ -40,7 +41,8 @@ pub struct CheckArgs {
     /// Only these scenes, as 0,3,5-9.
     #[arg(long, value_name = "LIST")]
     scenes: Option<String>,
-    /// Of each agent's sensors and arrays look at every so many frames; sums over frames are not compared then.
+    /// Of each agent's sensors and arrays look at every so many frames; sums over frames are not compared
+    /// then.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     every: u32,
     /// Worker threads; as many as there are cores by default.
@@ -48,7 +50,8 @@ pub struct CheckArgs {
     threads: Option<usize>,
 }
 
-/// Checks a store and prints the report; the exit code: 1 when something is wrong, 2 when there is no such store.
+/// Checks a store and prints the report; the exit code: 1 when something is wrong, 2 when there is no such
+/// store.
 #[must_use]
 pub fn run(args: &CheckArgs) -> u8 {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build();

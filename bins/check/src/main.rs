@@ -4,7 +4,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-/// Checks the labels of a finished store against each other, from its files alone; exit code 1 when something is wrong.
+/// Checks the labels of a finished store against each other, from its files alone; exit code 1 when something
+/// is wrong.
 #[derive(Debug, Parser)]
 #[command(name = "check", version)]
 struct Args {

@@ -65,7 +65,8 @@ impl Optics {
         self.lens == Lens::Pinhole
     }
 
-    /// What a depth image of it holds of a point: how far it is along the axis, of fisheyes how far along the ray.
+    /// What a depth image of it holds of a point: how far it is along the axis, of fisheyes how far along the
+    /// ray.
     pub(crate) fn depth_of(&self, point: V3) -> f64 {
         if matches!(self.lens, Lens::Fisheye { .. }) { norm(point) } else { point[2] }
     }
@@ -89,8 +90,8 @@ impl Optics {
         Some([0, 1].map(|i| self.axis[i] + self.focal[i] * place[i]))
     }
 
-    /// The direction in which a place in the picture looks: a surface of depth d is d times as far, by what depth images of
-    /// this lens hold: along the axis, of fisheyes along the ray.
+    /// The direction in which a place in the picture looks: a surface of depth d is d times as far, by what
+    /// depth images of this lens hold: along the axis, of fisheyes along the ray.
     pub(crate) fn ray(&self, [u, v]: [f64; 2]) -> V3 {
         let at = [(u - self.axis[0]) / self.focal[0], (v - self.axis[1]) / self.focal[1]];
         match self.lens {
@@ -142,8 +143,8 @@ fn inverse(of: impl Fn(f64) -> f64, most: f64, value: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The place that a Brown lens bends to `bent`. Halving finds it for a lens without tangential parts; from there Newton's method
-/// goes on in both directions, by a shorter step where a whole one leads away.
+/// The place that a Brown lens bends to `bent`. Halving finds it for a lens without tangential parts; from
+/// there Newton's method goes on in both directions, by a shorter step where a whole one leads away.
 fn unbent(k: [f64; 3], p: [f64; 2], limit: f64, bent: [f64; 2]) -> [f64; 2] {
     let wanted = libm::hypot(bent[0], bent[1]);
     if wanted == 0.0 && p == [0.0; 2] {
@@ -217,7 +218,8 @@ mod tests {
             assert_eq!(optics.project([0.0, 0.0, -1.0]).is_some(), lens["model"] == "fisheye");
         }
     }
-    /// The place whose cubic `r + k r^3` is `bent`, by the closed form for one real root (k > 0) or the least of three.
+    /// The place whose cubic `r + k r^3` is `bent`, by the closed form for one real root (k > 0) or the least
+    /// of three.
     fn cubic_root(k: f64, bent: f64) -> f64 {
         let scale = libm::sqrt(3.0 * k.abs());
         let third = 1.5 * bent * scale;
@@ -228,7 +230,8 @@ mod tests {
 
     #[test]
     fn radial_bends_are_undone_as_the_closed_form_does() {
-        // Slopes 1 + 3 k r^2 at the far end, from nearly flat barrels to pincushions of 3 (where r taken off again diverges).
+        // Slopes 1 + 3 k r^2 at the far end, from nearly flat barrels to pincushions of 3 (where r taken off
+        // again diverges).
         for slope in [0.02, 0.3, 0.8, 1.5, 2.0, 2.5, 3.0] {
             for end in [0.3, 1.0, 2.5] {
                 let k = (slope - 1.0) / (3.0 * end * end);

@@ -149,7 +149,8 @@ impl Scene {
         }
     }
 
-    /// Where an object is some seconds after a frame (or before it): on the straight way from the frame before.
+    /// Where an object is some seconds after a frame (or before it): on the straight way from the frame
+    /// before.
     pub(crate) fn pose_at(&self, id: u16, frame: i64, offset_s: f64) -> Option<Motion> {
         let now = self.pose(id, frame)?;
         Some(self.pose(id, frame - 1).map_or(now, |before| now.towards(&before, -offset_s / FRAME_PERIOD_S)))

@@ -93,8 +93,8 @@ impl Motion {
         Self { rows: [0, 1, 2].map(|i| [a[i], b[i], c[i]]), origin: self.outward(inner.origin) }
     }
 
-    /// This motion on its way to another one: 0 is this one, 1 the other. The origin goes straight, the rotation evenly about
-    /// one axis (Rodrigues); by half a turn, which has none, it does not turn.
+    /// This motion on its way to another one: 0 is this one, 1 the other. The origin goes straight, the
+    /// rotation evenly about one axis (Rodrigues); by half a turn, which has none, it does not turn.
     pub(crate) fn towards(&self, there: &Self, share: f64) -> Self {
         let origin = add(self.origin, scale(sub(there.origin, self.origin), share));
         let turn = there.rows.map(|row| self.rows.map(|own| dot(row, own)));

@@ -13,7 +13,8 @@ const WALKS: [&str; 2] = ["Sidewalk", "Walking"];
 /// What of a map lies on the ground, in the world.
 #[derive(Debug, Default)]
 pub(crate) struct VectorMap {
-    /// Paved lanes, piece by piece: from one point of their boundaries to the next, so that heights are those of the place.
+    /// Paved lanes, piece by piece: from one point of their boundaries to the next, so that heights are those
+    /// of the place.
     pub(crate) lanes: Vec<Shape>,
     /// The same of lanes for pedestrians.
     pub(crate) walks: Vec<Shape>,
@@ -37,7 +38,8 @@ pub(crate) struct Shape {
 pub(crate) struct Line {
     pub(crate) points: Vec<V3>,
     pub(crate) bounds: [[f64; 2]; 2],
-    /// Whether it is surely painted: beside a driving lane and in no junction, where others' asphalt may lie over it.
+    /// Whether it is surely painted: beside a driving lane and in no junction, where others' asphalt may lie
+    /// over it.
     pub(crate) is_certain: bool,
 }
 
@@ -110,7 +112,8 @@ impl VectorMap {
     }
 }
 
-/// The pieces between two boundaries of a section, whose points are at the same places along the road; none if they are not.
+/// The pieces between two boundaries of a section, whose points are at the same places along the road; none
+/// if they are not.
 fn pieces(left: &[V3], right: &[V3]) -> Option<Vec<Shape>> {
     let pairs = left.windows(2).zip(right.windows(2));
     let piece = |(left, right): (&[V3], &[V3])| Shape::new(vec![vec![left[0], left[1], right[1], right[0]]]);

@@ -1,4 +1,5 @@
-//! Runs all stages in order, shows their state, verifies, checks and shows a store; writes towns, draws maps and scenes.
+//! Runs all stages in order, shows their state, verifies, checks and shows a store; writes towns, draws maps
+//! and scenes.
 
 mod files;
 mod film;
@@ -26,9 +27,11 @@ struct Args {
 enum Command {
     #[command(flatten)]
     Store(StoreCommand),
-    /// Checks the labels of a store against each other, from its files alone; exit code 1 when something is wrong.
+    /// Checks the labels of a store against each other, from its files alone; exit code 1 when something is
+    /// wrong.
     Check(check::CheckArgs),
-    /// Shows a store in the browser: opens a page on this machine that plays its scenes, or writes an excerpt as one file.
+    /// Shows a store in the browser: opens a page on this machine that plays its scenes, or writes an excerpt
+    /// as one file.
     View(view::ViewArgs),
     #[command(flatten)]
     Program(programs::ProgramCommand),

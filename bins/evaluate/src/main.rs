@@ -179,7 +179,8 @@ fn readers(wanted: &Source) -> Result<Vec<SceneReader>, EvaluateError> {
     Ok(wanted.scenes.iter().map(|scene| scene.reader().clone()).collect())
 }
 
-/// The scenes whose boxes are evaluated: those that are wanted and finished. The file may have rows of others of the plan.
+/// The scenes whose boxes are evaluated: those that are wanted and finished. The file may have rows of others
+/// of the plan.
 fn scenes_of_boxes(
     args: &Evaluate,
     all: &Source,

@@ -1,4 +1,5 @@
-//! The post-processing stage: points per box, valid flag, difficulty; filled voxel grids, and what lidars saw of them.
+//! The post-processing stage: points per box, valid flag, difficulty; filled voxel grids, and what lidars saw
+//! of them.
 
 mod clouds;
 mod error;
@@ -52,7 +53,8 @@ fn run(job: &mut Job<'_, ValiditySettings>) -> Result<(), StageError> {
     Ok(())
 }
 
-/// One row per row of the boxes, in the same order: by frame, then agent. Agents are judged side by side, each frame by frame.
+/// One row per row of the boxes, in the same order: by frame, then agent. Agents are judged side by side,
+/// each frame by frame.
 fn validate_all(
     job: &Job<'_, ValiditySettings>,
     scene: &SceneReader,

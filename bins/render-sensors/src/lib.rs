@@ -1,4 +1,5 @@
-//! The sensor stage: what every agent's cameras, lidars, radars, GNSS and IMU gave, each at the frames of its rate.
+//! The sensor stage: what every agent's cameras, lidars, radars, GNSS and IMU gave, each at the frames of its
+//! rate.
 
 mod agent;
 mod recorder;

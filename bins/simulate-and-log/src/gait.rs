@@ -1,5 +1,5 @@
-//! How walkers walk: from where they are at each frame follows the phase of their stride, and the box about their pose. While
-//! somebody stands or sits, the phase goes on with the time, and with it what they do then.
+//! How walkers walk: from where they are at each frame follows the phase of their stride, and the box about
+//! their pose. While somebody stands or sits, the phase goes on with the time, and with it what they do then.
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -14,7 +14,8 @@ use schema::tables::{ActorRow, PlanModelRow, StateRow};
 use schema::{ActorKind, ActorRole, FRAME_PERIOD_S, ObjectId};
 use store::Store;
 
-/// Share of the way to their speed that they come within a frame: strides get longer and shorter over some four steps of it.
+/// Share of the way to their speed that they come within a frame: strides get longer and shorter over some
+/// four steps of it.
 const EASE: f64 = 0.2;
 /// Slower than this they stand, m/s.
 const STANDS_MPS: f64 = 0.03;
@@ -59,7 +60,8 @@ impl Bodies {
         Ok(Self { own: own.collect::<Result<_, ModelError>>()?, ..Self::default() })
     }
 
-    /// Gives a walker the size of its body. Where a stride begins is drawn; those who stand in hazards take none.
+    /// Gives a walker the size of its body. Where a stride begins is drawn; those who stand in hazards take
+    /// none.
     pub(crate) fn add(&mut self, actor: &mut ActorRow, model: &'static Model, seed: u64, scene: u32) {
         // Who sits in a wheelchair is as large as that.
         if model.wheel_radius_m > 0.0 {
@@ -79,8 +81,8 @@ impl Bodies {
         }
     }
 
-    /// Puts those who sit so far before the back rest that they lean at it: traffic, which does not know their bodies, has all of
-    /// them as far before it.
+    /// Puts those who sit so far before the back rest that they lean at it: traffic, which does not know
+    /// their bodies, has all of them as far before it.
     pub(crate) fn seat(&self, states: &mut [StateRow]) {
         for state in states.iter_mut().filter(|state| state.seat_m > 0.0) {
             let Some(pacer) = self.pacers.get(&state.id) else { continue };

@@ -1,8 +1,8 @@
 //! Walkers, and signs before hazards, on the ground that is drawn under them.
 //!
-//! Traffic knows the map's surfaces alone. What is drawn differs from them: kerbs where the map states none, sidewalks
-//! cut away where a road crosses them, asphalt between the lanes of a junction, grass beside the road. Walkers and signs
-//! are put on the triangles themselves.
+//! Traffic knows the map's surfaces alone. What is drawn differs from them: kerbs where the map states none,
+//! sidewalks cut away where a road crosses them, asphalt between the lanes of a junction, grass beside the
+//! road. Walkers and signs are put on the triangles themselves.
 
 use std::collections::BTreeMap;
 
@@ -57,8 +57,8 @@ impl Ground {
         Ok(Self(cells))
     }
 
-    /// Height of the uppermost triangle on the level of a point that the map has on its surface; the point's own where
-    /// nothing is drawn (beyond the scene's tiles, or over a gap in a bridge).
+    /// Height of the uppermost triangle on the level of a point that the map has on its surface; the point's
+    /// own where nothing is drawn (beyond the scene's tiles, or over a gap in a bridge).
     fn height(&self, at: [f64; 3]) -> f64 {
         let [x, y, z] = at;
         let over =
@@ -103,8 +103,8 @@ fn is_warning(actor: &ActorRow) -> bool {
     actor.role == ActorRole::Hazard && actor.kind == ActorKind::Sign
 }
 
-/// Puts walkers and warning signs on the ground that is drawn under them. What follows from their heights follows again: velocities are
-/// differences of the final positions, and actor rows have the pose at frame 0.
+/// Puts walkers and warning signs on the ground that is drawn under them. What follows from their heights
+/// follows again: velocities are differences of the final positions, and actor rows have the pose at frame 0.
 ///
 /// `states` are sorted by frame.
 ///
@@ -164,9 +164,9 @@ pub(crate) fn stand<E>(
     Ok(())
 }
 
-/// Height of a walker after some way: the mean of the ground within [`HALF_STEP_M`] before and behind, weighted by a
-/// triangle over it. So a kerb is stepped up in an S of two parabolas. `profile`: way and height of the ground, the
-/// way ascending; level before and behind it.
+/// Height of a walker after some way: the mean of the ground within [`HALF_STEP_M`] before and behind,
+/// weighted by a triangle over it. So a kerb is stepped up in an S of two parabolas. `profile`: way and
+/// height of the ground, the way ascending; level before and behind it.
 fn stepped(profile: &[[f64; 2]], way_m: f64) -> f64 {
     let (mut sum, mut weights) = (0.0, 0.0);
     for tap in -TAPS..=TAPS {
@@ -269,7 +269,8 @@ mod tests {
         (world, actors, log)
     }
 
-    /// How far a place is above or below what is drawn under it, by all triangles of the place; of some objects only.
+    /// How far a place is above or below what is drawn under it, by all triangles of the place; of some
+    /// objects only.
     fn off_ground_m(world: &SceneWorld, at: [f64; 3], of: impl Fn(ObjectId) -> bool) -> f32 {
         let frame = FrameRow::default();
         let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };
@@ -318,7 +319,8 @@ mod tests {
                 for (velocity, way) in pair[1].velocity_mps.iter().zip(moved) {
                     assert!((f64::from(*velocity) - way / 0.05).abs() < 1e-4, "{name}: {:?}", pair[1]);
                 }
-                // Kerbs of up to 0.3 m over a step of half a metre: 1.2 at the steepest, and the land's slope.
+                // Kerbs of up to 0.3 m over a step of half a metre: 1.2 at the steepest, and the land's
+                // slope.
                 let flat = (moved[0] * moved[0] + moved[1] * moved[1]).sqrt();
                 assert!(moved[2].abs() <= 1.5 * flat + 1e-9, "{name}: {:?} {:?}", pair[0], pair[1]);
                 steps += 1;

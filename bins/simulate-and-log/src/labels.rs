@@ -1,4 +1,5 @@
-//! What the annotators say about a log: agents frame by frame; raw boxes and HD-map records at the annotated ones.
+//! What the annotators say about a log: agents frame by frame; raw boxes and HD-map records at the annotated
+//! ones.
 
 use std::collections::BTreeMap;
 

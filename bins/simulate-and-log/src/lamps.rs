@@ -1,4 +1,5 @@
-//! The lights of the scenery: which street lamps have failed, how bright the others are, the colour of windows.
+//! The lights of the scenery: which street lamps have failed, how bright the others are, the colour of
+//! windows.
 
 use random::Stream;
 use schema::lights::{STREET_LAMP_LM, STREET_LAMP_RGB, WINDOW_RGB};

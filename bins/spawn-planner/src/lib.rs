@@ -115,7 +115,8 @@ fn enrol(store: &Store, settings: &PlanSettings) -> Result<Roster, StageError> {
     plan::enrol(settings, &existing, &|scene| made.contains(&scene)).at(Place::default)
 }
 
-/// Digest of everything the plan says about one scene: the simulation of a scene depends on nothing else of it.
+/// Digest of everything the plan says about one scene: the simulation of a scene depends on nothing else of
+/// it.
 fn scene_digest(scene: &PlanSceneRow, plan: &Plan, models: &[PlanModelRow]) -> String {
     let number = scene.scene;
     let agents: Vec<PlanAgentRow> = plan.agents.iter().filter(|a| a.scene == number).cloned().collect();

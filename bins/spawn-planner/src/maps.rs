@@ -1,4 +1,5 @@
-//! The maps of a plan: our own towns are generated, others read from files, those of older scenes from the store.
+//! The maps of a plan: our own towns are generated, others read from files, those of older scenes from the
+//! store.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -12,8 +13,8 @@ use store::{Store, keys};
 
 use crate::error::MapError;
 
-/// Digests of the map files, by name in the store. Our own towns are part of the code; a file that is not found now is
-/// in the store already, or missed with a message when it is needed.
+/// Digests of the map files, by name in the store. Our own towns are part of the code; a file that is not
+/// found now is in the store already, or missed with a message when it is needed.
 pub(crate) fn digests(settings: &PlanSettings, folder: Option<&Path>) -> BTreeMap<String, String> {
     let maps = settings.scenes.iter().filter(|s| s.count > 0).map(|s| s.map.as_str());
     maps.filter(|written| town::named(written).is_none())
@@ -30,7 +31,8 @@ pub(crate) struct MapSource {
     origin: String,
 }
 
-/// What a map of the configuration is called in the store: a file is called by its stem, all others as written.
+/// What a map of the configuration is called in the store: a file is called by its stem, all others as
+/// written.
 pub(crate) fn name_in_store(written: &str) -> &str {
     match file_stem(written) {
         Some(stem) => stem.rsplit(['/', '\\']).next().unwrap_or(stem),
@@ -87,8 +89,8 @@ pub(crate) fn texts(
     Ok(texts)
 }
 
-/// Reads a map from the path that was written, below the maps folder or from where the program runs; or, where no
-/// ending was written, from the file of that stem in the maps folder.
+/// Reads a map from the path that was written, below the maps folder or from where the program runs; or,
+/// where no ending was written, from the file of that stem in the maps folder.
 fn read_map_file(written: &str, folder: Option<&Path>) -> Result<MapSource, StageError> {
     let own = town::names().join(", ");
     let paths: Vec<PathBuf> = if file_stem(written).is_some() {
@@ -122,7 +124,8 @@ fn read_map_file(written: &str, folder: Option<&Path>) -> Result<MapSource, Stag
     Err(StageError::usage(MapError::NotFound { written, looked, own }))
 }
 
-/// The text of a map file that may be gzipped: the store keeps the text, so its hash does not depend on packing.
+/// The text of a map file that may be gzipped: the store keeps the text, so its hash does not depend on
+/// packing.
 fn unpack(bytes: Vec<u8>, path: &Path) -> Result<Vec<u8>, StageError> {
     const LARGEST: u64 = 1 << 30;
     if !bytes.starts_with(&[0x1f, 0x8b]) {

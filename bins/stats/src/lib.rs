@@ -1,4 +1,5 @@
-//! The statistics stage: partial counts of all scenes into tables, figures and a report with a small picture of each scene.
+//! The statistics stage: partial counts of all scenes into tables, figures and a report with a small picture
+//! of each scene.
 
 mod cards;
 
@@ -119,8 +120,9 @@ fn done_stages(
     Ok(done)
 }
 
-/// The scenes that every stage has done that has done any: tables of different stages speak of the same scenes. A
-/// dataset that was only simulated so far has statistics, too; a scene that failed half-way is in none.
+/// The scenes that every stage has done that has done any: tables of different stages speak of the same
+/// scenes. A dataset that was only simulated so far has statistics, too; a scene that failed half-way is in
+/// none.
 fn covered(done: &BTreeMap<u32, Vec<Manifest>>) -> Vec<(u32, &[Manifest])> {
     let stages: BTreeSet<&str> = done.values().flatten().map(|m| m.stage.as_str()).collect();
     let whole = done.iter().filter(|(_, manifests)| !manifests.is_empty() && manifests.len() == stages.len());

@@ -99,8 +99,8 @@ pub(crate) enum ByteRange {
     Outside,
 }
 
-/// The part of a file of some size that a `Range` header asks for. Several ranges, and what is no range of bytes, are passed
-/// over, as the standard allows.
+/// The part of a file of some size that a `Range` header asks for. Several ranges, and what is no range of
+/// bytes, are passed over, as the standard allows.
 pub(crate) fn part_of(range: Option<&str>, size: u64) -> ByteRange {
     let Some(range) = range.and_then(|r| r.strip_prefix("bytes=")) else { return ByteRange::Whole };
     let Some((first, last)) = range.split_once('-') else { return ByteRange::Whole };

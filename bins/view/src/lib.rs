@@ -1,8 +1,8 @@
 //! Shows a store in the browser.
 //!
-//! A server for this machine alone gives one page (its sources are in `viewer/`, its bundle in `assets/`), lists of what the
-//! store has, and byte ranges of its files; the page decodes Parquet and npz itself. An excerpt is the same page with a small
-//! store inside it, as one file.
+//! A server for this machine alone gives one page (its sources are in `viewer/`, its bundle in `assets/`),
+//! lists of what the store has, and byte ranges of its files; the page decodes Parquet and npz itself. An
+//! excerpt is the same page with a small store inside it, as one file.
 
 mod embed;
 mod http;
@@ -36,8 +36,8 @@ pub struct ViewArgs {
     /// Only print the address; open no browser.
     #[arg(long)]
     no_open: bool,
-    /// Write an excerpt into this HTML file instead: the page with its data inside, below 15 MB, without pictures
-    /// unless `--cameras` names some, and without voxels. Of lidar points so many stay as fit.
+    /// Write an excerpt into this HTML file instead: the page with its data inside, below 15 MB, without
+    /// pictures unless `--cameras` names some, and without voxels. Of lidar points so many stay as fit.
     #[arg(long, value_name = "FILE", requires = "scene")]
     embed: Option<PathBuf>,
     /// The excerpt's scene.

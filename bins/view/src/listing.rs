@@ -86,7 +86,8 @@ pub(crate) fn scene_info(root: &Path, folder: &str) -> Result<Value, String> {
     read_json(&path)
 }
 
-/// Regular files below a folder, without hidden ones (stages write theirs under such names). Links are not followed.
+/// Regular files below a folder, without hidden ones (stages write theirs under such names). Links are not
+/// followed.
 fn list(folder: &Path, prefix: &str, depth: usize, files: &mut Vec<(String, u64)>) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let Ok(name) = entry.file_name().into_string() else { continue };

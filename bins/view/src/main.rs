@@ -4,7 +4,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-/// Shows a store in the browser: opens a page on this machine that plays its scenes. Nothing is written, nothing leaves the machine.
+/// Shows a store in the browser: opens a page on this machine that plays its scenes. Nothing is written,
+/// nothing leaves the machine.
 #[derive(Debug, Parser)]
 #[command(name = "view", version)]
 struct Args {

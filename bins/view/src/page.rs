@@ -36,8 +36,8 @@ fn filled(style: &str, scripts: &str) -> String {
     INDEX.replacen(STYLE_MARK, style, 1).replacen(SCRIPTS_MARK, scripts, 1)
 }
 
-/// A script's text so that nothing in it ends the element: in strings, templates and regular expressions of JavaScript
-/// `<\/script` and `<\!--` are the same text.
+/// A script's text so that nothing in it ends the element: in strings, templates and regular expressions of
+/// JavaScript `<\/script` and `<\!--` are the same text.
 fn within_script(text: &str) -> String {
     text.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 }

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The regular file at a path of a URL (below `/store/`, still percent-encoded), if it lies below the root after all links
-/// are followed.
+/// The regular file at a path of a URL (below `/store/`, still percent-encoded), if it lies below the root
+/// after all links are followed.
 ///
 /// `root` must be canonical.
 pub(crate) fn file_below(root: &Path, encoded: &str) -> Option<PathBuf> {
@@ -21,8 +21,8 @@ pub(crate) fn file_below(root: &Path, encoded: &str) -> Option<PathBuf> {
     (real.starts_with(root) && fs::metadata(&real).ok()?.is_file()).then_some(real)
 }
 
-/// Whether a name is that of one entry of a folder, on any system: no way up, no drive, no hidden file (stages write theirs
-/// under such names).
+/// Whether a name is that of one entry of a folder, on any system: no way up, no drive, no hidden file
+/// (stages write theirs under such names).
 fn is_plain(name: &str) -> bool {
     !name.is_empty()
         && !name.starts_with('.')

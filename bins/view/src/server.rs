@@ -1,7 +1,8 @@
 //! A server for this machine alone: reads, never writes.
 //!
-//! Its own rather than a crate's: one page's requests without bodies are a few hundred lines over std, and what small servers
-//! of others bring beyond (uploads, chunked bodies, TLS, pools) would be surface without use.
+//! Its own rather than a crate's: one page's requests without bodies are a few hundred lines over std, and
+//! what small servers of others bring beyond (uploads, chunked bodies, TLS, pools) would be surface without
+//! use.
 
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
@@ -99,8 +100,8 @@ fn converse(stream: &TcpStream, port: u16, site: &Site) -> io::Result<()> {
     }
 }
 
-/// Answers a request. Whoever names another host than this machine has been sent here by a foreign page whose name was made
-/// to point here (DNS rebinding), and gets nothing.
+/// Answers a request. Whoever names another host than this machine has been sent here by a foreign page whose
+/// name was made to point here (DNS rebinding), and gets nothing.
 fn answer(request: &Request, port: u16, site: &Site, out: &mut impl Write) -> io::Result<()> {
     let with_body = request.method != "HEAD";
     let hosts = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];

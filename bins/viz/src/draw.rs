@@ -23,7 +23,8 @@ const BEV_SCALE: u32 = 2;
 const MOST_BYTES: u64 = 1 << 30;
 
 impl Desk<'_> {
-    /// The picture of an agent (by its place among those that were read); none where there is nothing at this frame.
+    /// The picture of an agent (by its place among those that were read); none where there is nothing at this
+    /// frame.
     pub(crate) fn draw(&self, mode: &Mode, which: usize) -> Result<Option<Canvas>, VizError> {
         let (agent, rig) = (&self.agents[which], &self.rigs[which]);
         let place = || {

@@ -96,7 +96,8 @@ impl<W: Write> Film<'_, W> {
     }
 }
 
-/// What a film shows, of what there is: cameras ahead, then the lidar from above and from behind, or what else there is.
+/// What a film shows, of what there is: cameras ahead, then the lidar from above and from behind, or what
+/// else there is.
 fn shown(there: Vec<Mode>) -> Vec<Mode> {
     let mut cameras: Vec<Mode> = there.iter().filter(|mode| mode.is_photograph()).cloned().collect();
     cameras.sort_by_key(|mode| camera_order(&mode.name()));

@@ -1,4 +1,5 @@
-//! Colours that would tell what nobody knows: of imported scenes some columns hold zeros that are no readings.
+//! Colours that would tell what nobody knows: of imported scenes some columns hold zeros that are no
+//! readings.
 
 use std::collections::BTreeMap;
 
@@ -16,8 +17,8 @@ use crate::session::Session;
 /// Sensors whose points nobody can colour so, with what is wrong: by agent and name.
 type Unknown = BTreeMap<(AgentId, String), (SensorKind, String)>;
 
-/// Looks whether the points of some pictures can be coloured by something. A picture that was asked for by its name and cannot is
-/// refused; others are left out, which is said once for each kind of sensor.
+/// Looks whether the points of some pictures can be coloured by something. A picture that was asked for by
+/// its name and cannot is refused; others are left out, which is said once for each kind of sensor.
 pub(crate) fn keep_known(
     session: &Session,
     wanted: &mut [Wanted],

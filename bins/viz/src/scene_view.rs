@@ -20,7 +20,8 @@ const ARROW_PX: f64 = 46.0;
 const LABEL_PX: f64 = 30.0;
 const SCALE_PX: f64 = 26.0;
 
-/// Draws the scene from above, north up: the map, lidar points by agent, boxes by class, each agent's place, heading and name.
+/// Draws the scene from above, north up: the map, lidar points by agent, boxes by class, each agent's place,
+/// heading and name.
 pub(crate) fn draw_scene(desk: &Desk<'_>) -> Result<Canvas, PictureError> {
     let places: Vec<Point3<f64>> =
         desk.agents.iter().map(|a| Point3::from(a.world_from_agent.translation.vector)).collect();
@@ -51,8 +52,8 @@ pub(crate) fn draw_scene(desk: &Desk<'_>) -> Result<Canvas, PictureError> {
     Ok(canvas)
 }
 
-/// Middle and side of a square around the agents, metres, so that it does not jump from frame to frame: its middle moves with
-/// them, its side grows in steps.
+/// Middle and side of a square around the agents, metres, so that it does not jump from frame to frame: its
+/// middle moves with them, its side grows in steps.
 fn window(places: &[Point3<f64>]) -> ([f64; 2], f64) {
     if places.is_empty() {
         return ([0.0; 2], LEAST_M);

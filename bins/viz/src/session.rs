@@ -100,8 +100,8 @@ impl Session {
     }
 }
 
-/// Does something with what some agents have of each of some frames, in ascending order: as many frames at once as there are
-/// threads, and no more in memory; what is made of them is handed over in order.
+/// Does something with what some agents have of each of some frames, in ascending order: as many frames at
+/// once as there are threads, and no more in memory; what is made of them is handed over in order.
 pub(crate) fn for_frames<T: Send>(
     feeds: &mut [Feed],
     frames: &[u32],

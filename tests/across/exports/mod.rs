@@ -49,8 +49,8 @@ fn every_layout_reads_back() {
     simbev2x::check(&bench);
 }
 
-/// However an export is made, its bytes are the same; what is there is kept, what is damaged made again, what is somebody
-/// else's left alone.
+/// However an export is made, its bytes are the same; what is there is kept, what is damaged made again, what
+/// is somebody else's left alone.
 fn a_destination_is_gone_on_with(bench: &Bench) {
     let (one, outcome) = export(bench, "kitti", "one", &["--threads", "1"]);
     outcome.expect_done();

@@ -1,4 +1,5 @@
-//! Exports of several scenes, splits, vehicles and RSUs: read back, grown scene by scene, killed and gone on with.
+//! Exports of several scenes, splits, vehicles and RSUs: read back, grown scene by scene, killed and gone on
+//! with.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -94,7 +95,8 @@ fn made_in_place(bench: &Bench, dest: &str, args: &[&str]) -> PathBuf {
     dest
 }
 
-/// An export that is killed without warning when it has a part in hand, again when a part is finished, and then gone on with.
+/// An export that is killed without warning when it has a part in hand, again when a part is finished, and
+/// then gone on with.
 fn killed(bench: &Bench, layout: &str) -> PathBuf {
     let dest = bench.folder.path().join(format!("killed-{layout}"));
     // A busy machine may let it end before it is looked at.
@@ -121,7 +123,8 @@ fn killed(bench: &Bench, layout: &str) -> PathBuf {
     made(bench, layout, "killed", &["--threads", "2"])
 }
 
-/// Starts an export on one thread and kills it as soon as a record of some name stands; whether it came to that.
+/// Starts an export on one thread and kills it as soon as a record of some name stands; whether it came to
+/// that.
 fn kill_when(bench: &Bench, layout: &str, dest: &Path, sign: impl Fn(&str) -> bool) -> bool {
     let mut command = command(bench, layout, dest, &["--threads", "1"]);
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");

@@ -91,7 +91,8 @@ fn imports_are_as_what_was_exported(bench: &Bench, processed: &Path, raw: &Path)
     check_in_python("exports/foreign.py", &packages, &[&program("import"), &scratch]);
 }
 
-/// What the dataset did not say is no reading: thinned clouds go by elevation, labels of points and lanes are left out.
+/// What the dataset did not say is no reading: thinned clouds go by elevation, labels of points and lanes are
+/// left out.
 fn exports_of_imports_say_what_they_lack(bench: &Bench, store: &Path) {
     let export = |layout: &str, dest: &str, args: &[&str]| {
         let dest = bench.folder.path().join(dest);
@@ -137,7 +138,8 @@ fn pictures_of_imports_say_what_they_lack(bench: &Bench, store: &Path) {
     run(&["preview", "--width", "800", "--out", &at("sheet.png")]).expect_done();
 }
 
-/// Digests of the files of a store but for its name, which stands in `dataset.json` and so in the plan's manifest.
+/// Digests of the files of a store but for its name, which stands in `dataset.json` and so in the plan's
+/// manifest.
 fn files(store: &Path) -> std::collections::BTreeMap<String, String> {
     let mut files = digests(store);
     files.retain(|name, _| name != "dataset.json" && name != "plan/_manifest.json");

@@ -8,7 +8,8 @@ pub(super) const CELL_M: f64 = 0.4;
 /// The way over the ground is looked for this many cells beyond the mask, too: 60 m.
 pub(super) const BEYOND: usize = 150;
 pub(super) const WIDE: usize = SIDE + 2 * BEYOND;
-/// Nearer to an edge than this, rounding decides on which side a centre lies, cells; and nearer in height, metres.
+/// Nearer to an edge than this, rounding decides on which side a centre lies, cells; and nearer in height,
+/// metres.
 pub(super) const TIE: f64 = 2e-3;
 /// Ground surfaces this near above one another are one layer, metres.
 pub(super) const LAYER_M: f64 = 1.5;

@@ -28,8 +28,8 @@ struct Layer {
     bits: u16,
 }
 
-/// Calls with each cell of a grid whose centre a triangle covers, or whose centre is near its outline: the cell, the height
-/// there, and whether it is near.
+/// Calls with each cell of a grid whose centre a triangle covers, or whose centre is near its outline: the
+/// cell, the height there, and whether it is near.
 fn cover(corners: &[Vector3<f64>; 3], size: usize, mut cell: impl FnMut(usize, f64, bool)) {
     let span = |axis: usize| {
         let values = corners.map(|p| p[axis]);
@@ -95,8 +95,8 @@ fn layers(met: &[Met], edges_too: bool) -> Vec<Layer> {
     layers
 }
 
-/// The layer of each cell that one gets to from the agent: along paved ground first, then over all, and along paved ground
-/// again wherever that meets some. The cells are those of the wide grid.
+/// The layer of each cell that one gets to from the agent: along paved ground first, then over all, and along
+/// paved ground again wherever that meets some. The cells are those of the wide grid.
 fn reachable(cells: &[Vec<Layer>]) -> Vec<Option<Layer>> {
     let above_agent = |l: &Layer| l.low.max(-l.high).max(0.0);
     let nearest = |cell: usize, paved: bool, far: &dyn Fn(&Layer) -> f64| {
@@ -154,8 +154,8 @@ pub(super) struct Ground {
     pub(super) hazards: Vec<Vec<Vector3<f64>>>,
 }
 
-/// Holds a mask against all triangles, crossings, hazards and markings. Returns how many cells of each class were compared,
-/// of markings: metres.
+/// Holds a mask against all triangles, crossings, hazards and markings. Returns how many cells of each class
+/// were compared, of markings: metres.
 pub(super) fn check(
     on_ground: &Ground,
     snapshot: &Snapshot,
@@ -218,7 +218,8 @@ pub(super) fn check(
 /// What an object has of a class.
 #[derive(Default)]
 struct Share {
-    /// Cells that it covers: with the lowest and highest corner of the triangle, and whether the centre is near an edge.
+    /// Cells that it covers: with the lowest and highest corner of the triangle, and whether the centre is
+    /// near an edge.
     cells: Vec<(usize, [f64; 2], bool)>,
     corners: Vec<Vector3<f64>>,
 }

@@ -1,6 +1,6 @@
-//! Masks and voxel grids of real frames, computed a second time: every triangle against every cell that it may touch, in
-//! double precision, without the code that draws them. Crossings and markings are read from the map's file by a reader of
-//! its own. Triangles, their tags, the log's hazards and the container are shared.
+//! Masks and voxel grids of real frames, computed a second time: every triangle against every cell that it
+//! may touch, in double precision, without the code that draws them. Crossings and markings are read from the
+//! map's file by a reader of its own. Triangles, their tags, the log's hazards and the container are shared.
 
 mod grid;
 mod masks;
@@ -54,8 +54,8 @@ fn map_text(store: &Path, map: &str, maps: Option<&Path>) -> String {
     std::fs::read_to_string(maps.join(format!("{map}.xodr"))).expect("is text")
 }
 
-/// Makes a scene on a map and holds two frames of each agent against a second computation; `classes` of the ground must come
-/// up.
+/// Makes a scene on a map and holds two frames of each agent against a second computation; `classes` of the
+/// ground must come up.
 fn labels_are_those_of_the_triangles(map: &str, maps: Option<&Path>, classes: &[BevClass]) {
     let bench = Bench::new(&config(map));
     let folder = maps.map(|maps| maps.display().to_string());

@@ -1,4 +1,5 @@
-//! What is painted or declared on the ground - crossings, hazards, markings - from the map's file and the log.
+//! What is painted or declared on the ground - crossings, hazards, markings - from the map's file and the
+//! log.
 
 use frames::{Agent, Pose, World};
 use nalgebra::{Point2, Vector3};
@@ -71,8 +72,9 @@ struct Place {
     shows: Shows,
 }
 
-/// Holds the markings of a mask against the middles that the file states: wherever one shows, a sample stands at least
-/// once a cell's width; `bits` learn where there may be one. Returns the metres of markings that were followed.
+/// Holds the markings of a mask against the middles that the file states: wherever one shows, a sample stands
+/// at least once a cell's width; `bits` learn where there may be one. Returns the metres of markings that
+/// were followed.
 pub(super) fn markings(
     roads: &[Road],
     grid: &Grid,
@@ -116,7 +118,8 @@ pub(super) fn markings(
     followed_m
 }
 
-/// Whether a marking's place needs no further look: a cell there is set, or it says nothing. Allows the cells around it.
+/// Whether a marking's place needs no further look: a cell there is set, or it says nothing. Allows the cells
+/// around it.
 fn painted_cells(
     p: &Vector3<f64>,
     shows: Shows,

@@ -1,6 +1,8 @@
-//! Roads as their OpenDRIVE file states them, evaluated anew: the reference line, heights, lanes, markings, crossings.
+//! Roads as their OpenDRIVE file states them, evaluated anew: the reference line, heights, lanes, markings,
+//! crossings.
 //!
-//! What the maps of these tests do not have (lateral shapes, crossfall, one-sided sections, cubic lines) is refused.
+//! What the maps of these tests do not have (lateral shapes, crossfall, one-sided sections, cubic lines) is
+//! refused.
 
 use frames::math::{atan2, sin, sin_cos};
 use nalgebra::{Point3, Vector3};
@@ -205,8 +207,8 @@ impl Road {
         lines
     }
 
-    /// Slices of the paved lanes where the reference line is near, a quarter of a metre long, narrower by `inset_m` on
-    /// either side.
+    /// Slices of the paved lanes where the reference line is near, a quarter of a metre long, narrower by
+    /// `inset_m` on either side.
     pub(super) fn slices(&self, inset_m: f64, is_near: impl Fn(&Vector3<f64>) -> bool) -> Vec<Slice> {
         let mut slices = Vec::new();
         for section in &self.sections {

@@ -10,8 +10,9 @@ use super::soup::Piece;
 /// Nearer to touching or parting than this, rounding decides, cells.
 const TIE: f64 = 2e-3;
 
-/// How far a triangle and a cube of side 1 with its lowest corner at `cell` are apart along the axis that parts them most;
-/// negative where no axis does. The axes are those of Akenine-Moeller, "Fast 3D triangle-box overlap testing" (2001).
+/// How far a triangle and a cube of side 1 with its lowest corner at `cell` are apart along the axis that
+/// parts them most; negative where no axis does. The axes are those of Akenine-Moeller, "Fast 3D triangle-box
+/// overlap testing" (2001).
 fn gap(corners: &[Vector3<f64>; 3], cell: [usize; 3]) -> f64 {
     let middle = Vector3::from(cell.map(|c| c as f64 + 0.5));
     let at = corners.map(|corner| corner - middle);

@@ -7,8 +7,9 @@ use super::stated::Stated;
 use super::versions::Versions;
 use super::{PROBES, made};
 
-/// By stage, the number that it has to have at least: one more than that of the digests from which its shards differ. Numbers that
-/// were raised since are not raised again, so that nothing happens twice when this is stopped and started anew.
+/// By stage, the number that it has to have at least: one more than that of the digests from which its shards
+/// differ. Numbers that were raised since are not raised again, so that nothing happens twice when this is
+/// stopped and started anew.
 fn needed(stated: &Stated, made: &Digests) -> BTreeMap<String, u32> {
     let differences = stated.differences(made);
     // Imports have the version `import`, and are never stale.

@@ -1,5 +1,5 @@
-//! Digests of a store's shards and of exported files. Left out is what names versions of the code: it differs with
-//! every number of `versions.toml`, which these digests are to prove.
+//! Digests of a store's shards and of exported files. Left out is what names versions of the code: it differs
+//! with every number of `versions.toml`, which these digests are to prove.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -78,7 +78,8 @@ fn digest(store: &Store, manifest: &Manifest, output: &Output) -> String {
         keys::DATASET => without(|line| line.contains("\"code_version\"")),
         "README.md" => without(is_of_versions),
         key if key.ends_with("/log/tiles.parquet") => {
-            // It names the set of tiles and digests of their manifests; the tiles' own shards have digests here.
+            // It names the set of tiles and digests of their manifests; the tiles' own shards have digests
+            // here.
             let rows: Vec<SceneTileRow> = store.read_rows(manifest, key).expect("reads");
             let lines = rows.iter().map(|t| format!("{} {} {} {}\n", t.x, t.y, t.first_id, t.objects));
             hash_bytes(lines.collect::<String>().as_bytes())

@@ -1,5 +1,6 @@
-//! Probes: small scenes (`tests/probes/NAME.toml`) the digests of whose shards are committed beside them. They prove the numbers of
-//! `versions.toml`: a stage whose bytes differ has to have another number. `make accept-bytes` raises it and renews the digests.
+//! Probes: small scenes (`tests/probes/NAME.toml`) the digests of whose shards are committed beside them.
+//! They prove the numbers of `versions.toml`: a stage whose bytes differ has to have another number.
+//! `make accept-bytes` raises it and renews the digests.
 
 mod accept;
 mod digests;

@@ -99,7 +99,8 @@ impl Stated {
     }
 }
 
-/// What to say of differences: stage by stage in their order, since what comes later may differ for what came before.
+/// What to say of differences: stage by stage in their order, since what comes later may differ for what came
+/// before.
 pub(super) fn report(name: &str, differences: &[Difference], versions: &Versions) -> String {
     const SHOWN: usize = 6;
     let mut stages: Vec<&str> = differences.iter().map(|d| d.stage.as_str()).collect();

@@ -43,8 +43,9 @@ fn name_of(surface: &Surface) -> &'static str {
     }
 }
 
-/// The sky and every material that cameras see, those with most pixels first. A material's time is that of pictures in which sky is
-/// painted where others are, less what this sky takes; so are the edges between materials, which differ in such pictures.
+/// The sky and every material that cameras see, those with most pixels first. A material's time is that of
+/// pictures in which sky is painted where others are, less what this sky takes; so are the edges between
+/// materials, which differ in such pictures.
 pub(crate) fn shares(
     snapshot: &Snapshot,
     views: &[CameraView],

@@ -41,7 +41,8 @@ struct Agent<'a> {
 /// Points that its sensors returned.
 type Points = BTreeMap<(&'static str, String), u64>;
 
-/// Checks all that belongs to an agent; its boxes by frame. `every`: of large files only each so many frames are looked at.
+/// Checks all that belongs to an agent; its boxes by frame. `every`: of large files only each so many frames
+/// are looked at.
 pub(crate) fn check(
     scene: &Scene,
     config: &Config,

@@ -17,7 +17,8 @@ use crate::space::{Motion, sub};
 const LEVEL_M: f64 = 1.0;
 /// ...if they are no farther than this, m.
 const PRESENT_M: f64 = 40.0;
-/// Returns from the ground are looked at within this distance and height, m: beyond, the way may lead elsewhere.
+/// Returns from the ground are looked at within this distance and height, m: beyond, the way may lead
+/// elsewhere.
 const GROUND_M: [f64; 2] = [60.0, 1.0];
 /// Returns may lie so many cells off a cell of their class.
 const GROUND_CELLS: f64 = 1.5;

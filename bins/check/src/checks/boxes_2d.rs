@@ -15,7 +15,8 @@ use crate::scene::Scene;
 const AROUND_PX: f64 = 2.0;
 /// Where the whole box is before the camera, farther than this (m), ...
 const AHEAD_M: f64 = 1.0;
-/// ...an object is at least so large a part of its projected box, each way: people stand with room around them.
+/// ...an object is at least so large a part of its projected box, each way: people stand with room around
+/// them.
 const LEAST: f64 = 0.3;
 /// Greatest difference of a truncated share from that of the box's areas.
 const SHARE: f64 = 1e-3;
@@ -63,7 +64,8 @@ impl FlatBoxes {
         Ok(Self(found))
     }
 
-    /// Checks the rows of a camera that has a picture. `own`: the agent's own object, within which its cameras may be.
+    /// Checks the rows of a camera that has a picture. `own`: the agent's own object, within which its
+    /// cameras may be.
     pub(crate) fn check(
         &self,
         scene: &Scene,

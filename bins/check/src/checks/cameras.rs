@@ -257,7 +257,8 @@ impl Sight<'_> {
         }
     }
 
-    /// Pixels of objects lie in their projected boxes. `own`: the agent's own object, within which its cameras may be.
+    /// Pixels of objects lie in their projected boxes. `own`: the agent's own object, within which its
+    /// cameras may be.
     pub(crate) fn check_boxes(&self, boxes: &[Labelled], own: u16, frame: usize, ledger: &mut Ledger) {
         for labelled in boxes.iter().filter(|b| b.id != own) {
             let parts = labelled.tags.iter().filter(|&&tag| is_part(labelled, tag));

@@ -20,7 +20,8 @@ const RIGID: [f64; 2] = [0.05, 0.01];
 const LOOSE: [f64; 2] = [10.0, 1.1];
 /// Objects with fewer cells are only held to the latter: those of a bicycle may all be of wheels and limbs.
 const FEW: u64 = 24;
-/// The greatest difference of the mean over a walker's cells, m/s, and as a share of its speed: all of it sways, but to both sides.
+/// The greatest difference of the mean over a walker's cells, m/s, and as a share of its speed: all of it
+/// sways, but to both sides.
 const SWAY: [f64; 2] = [0.5, 0.4];
 
 /// The arrays that have a row for each occupied cell.
@@ -29,7 +30,8 @@ pub(crate) struct CellArrays {
     flow: Option<Npz>,
 }
 
-/// An object's cells: its boxes, its motion, how many there are, how many do not move with it, and what they differ by in all.
+/// An object's cells: its boxes, its motion, how many there are, how many do not move with it, and what they
+/// differ by in all.
 struct Object<'a> {
     labelled: Option<&'a Labelled>,
     /// Where it is and where it was a frame before; none of what stands.

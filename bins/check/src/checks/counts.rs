@@ -12,7 +12,8 @@ use crate::ledger::Ledger;
 use crate::rules::Rule;
 use crate::scene::Scene;
 
-/// Points this near to a box's faces may count or not, m: lidars have them as 32-bit metres, radars as angles.
+/// Points this near to a box's faces may count or not, m: lidars have them as 32-bit metres, radars as
+/// angles.
 const EDGE_M: f64 = 1e-4;
 
 /// Pixels of an agent's objects, by frame, id and tag: `visible.parquet`.

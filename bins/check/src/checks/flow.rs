@@ -13,11 +13,13 @@ use crate::space::{V3, norm, sub};
 
 /// Flow may differ by this, pixels, and by this share of it.
 const FLOW: [f64; 2] = [0.1, 0.02];
-/// Tread turns as fast as the body drives, and tread nearer to the camera than its axle is seen to go somewhat faster.
+/// Tread turns as fast as the body drives, and tread nearer to the camera than its axle is seen to go
+/// somewhat faster.
 const WHEELS: f64 = 1.25;
 /// Bodies of vehicles may be off by this, pixels, more than by what all may: they lean on their springs.
 const BODY_PX: f64 = 1.0;
-/// Wheels reach up to this above the ground, m: of cars and two-wheelers, and of what is higher or longer than these.
+/// Wheels reach up to this above the ground, m: of cars and two-wheelers, and of what is higher or longer
+/// than these.
 const WHEELS_UP_TO_M: [f64; 2] = [0.85, 1.25];
 /// Height and length beyond which wheels are those of lorries and buses, m.
 const HEAVY_M: [f64; 2] = [2.3, 6.5];
@@ -184,7 +186,8 @@ fn place_on(scene: &Scene, id: u16, frame: usize, in_world: V3) -> MotionKind {
     if pose.inward(in_world)[2] < up_to_m { MotionKind::AmongWheels } else { MotionKind::Body }
 }
 
-/// How far a wheel's rim may be from where its body takes it, pixels: as far as the body has come, seen from here.
+/// How far a wheel's rim may be from where its body takes it, pixels: as far as the body has come, seen from
+/// here.
 fn wheels_px(now: &Sight<'_>, before: &Sight<'_>, point: V3, was: V3, [x, y]: [f64; 2]) -> f64 {
     let way_m = norm(sub(now.world_from_optical.outward(point), before.world_from_optical.outward(was)));
     let beside = now.camera.optics.project([was[0] + way_m, was[1], was[2]]);
@@ -224,7 +227,8 @@ fn point_before_or_sky(
     Some(before.world_from_optical.inward(was))
 }
 
-/// Whether an object was at a place of the previous picture, or something nearer; none where that cannot be told.
+/// Whether an object was at a place of the previous picture, or something nearer; none where that cannot be
+/// told.
 fn was_there(before: &Sight<'_>, [x, y]: [f64; 2], id: u16, at_m: f64) -> Option<bool> {
     let (instance, depth) = (before.instance.as_ref()?, before.depth.as_ref()?);
     if !(x >= 1.0 && y >= 1.0 && x < instance.width as f64 - 1.0 && y < instance.height as f64 - 1.0) {

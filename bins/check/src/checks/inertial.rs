@@ -54,7 +54,8 @@ fn projected(text: &str, key: &str) -> f64 {
     parts.filter(|(name, _)| *name == key).find_map(|(_, value)| value.parse().ok()).unwrap_or(0.0)
 }
 
-/// Place in the world of a fix: the inverse of the spherical Mercator projection whose scale is 1 at the origin.
+/// Place in the world of a fix: the inverse of the spherical Mercator projection whose scale is 1 at the
+/// origin.
 fn world_of([latitude, longitude, altitude]: V3, origin: [f64; 2]) -> V3 {
     let rad = f64::to_radians;
     let northing = |degrees: f64| libm::log(libm::tan(0.5 * rad(degrees) + std::f64::consts::FRAC_PI_4));
@@ -72,7 +73,8 @@ fn gnss(
 ) -> Result<(), Unreadable> {
     let projection = scene.facts["geo_reference"].as_str().unwrap_or_default();
     let origin = [projected(projection, "lat_0"), projected(projection, "lon_0")];
-    // A degree of longitude is shorter than one of latitude, by the cosine; both cosines cancel in the world's metres.
+    // A degree of longitude is shorter than one of latitude, by the cosine; both cosines cancel in the
+    // world's metres.
     let per_degree = EARTH_M.to_radians();
     let tolerance =
         [noise[1] * per_degree * libm::cos(origin[0].to_radians()), noise[0] * per_degree, noise[2]];
@@ -154,7 +156,8 @@ mod tests {
     #[test]
     fn a_minute_of_latitude_is_a_sea_mile() {
         let [east, north, up] = world_of([49.0 + 1.0 / 60.0, 8.0, 3.0], [49.0, 8.0]);
-        // Of the sphere with the equator's radius: 1855.3 m; half a minute away the scale differs by some 2e-4.
+        // Of the sphere with the equator's radius: 1855.3 m; half a minute away the scale differs by some
+        // 2e-4.
         assert!((north - 1855.3).abs() < 0.5, "{north}");
         assert!(east.abs() < 1e-9 && (up - 3.0).abs() < 1e-12);
         let [east, ..] = world_of([49.0, 8.0 + 1.0 / 60.0, 0.0], [49.0, 8.0]);

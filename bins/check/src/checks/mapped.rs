@@ -9,7 +9,8 @@ use crate::rules::Rule;
 use crate::space::{Motion, V3};
 use crate::vector_map::{Line, Shape, VectorMap};
 
-/// Gaps and islands in junctions are paved up to some size: road cells lie this near to a lane or a junction, m.
+/// Gaps and islands in junctions are paved up to some size: road cells lie this near to a lane or a junction,
+/// m.
 const PAVED_M: f64 = 7.0;
 /// Corners between sidewalks are closed: their cells lie this near to one, m.
 const CORNER_M: f64 = 1.0;
@@ -21,7 +22,8 @@ const LEVEL_M: f64 = 0.8;
 const STEP_M: f64 = 0.5;
 /// ...beginning with what is this near to it, across and up, m.
 const START_M: f64 = 3.0;
-/// The shown ground is at most this far below the map's and above it, where kerbs are raised and lanes lie on others, m.
+/// The shown ground is at most this far below the map's and above it, where kerbs are raised and lanes lie on
+/// others, m.
 pub(super) const HEIGHT_M: [f64; 2] = [0.3, 0.5];
 
 /// The map about an agent, in the cells of its mask.

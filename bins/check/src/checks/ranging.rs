@@ -18,8 +18,8 @@ const FEW: u64 = 12;
 /// Radial velocities may differ by this, m/s.
 const VELOCITY_MPS: f64 = 0.05;
 
-/// Where a return falls into the middle of an object's pixels, their depths hold its own; what one of both sees past the
-/// other's edge is why more than half of an object's returns count.
+/// Where a return falls into the middle of an object's pixels, their depths hold its own; what one of both
+/// sees past the other's edge is why more than half of an object's returns count.
 pub(crate) fn check_depth(sight: &Sight<'_>, cloud: &Cloud<'_>, own: u16, frame: usize, ledger: &mut Ledger) {
     let (Some(depth), camera) = (&sight.depth, sight.camera) else { return };
     let mut judged: BTreeMap<u16, (u64, u64, f64)> = BTreeMap::new();

@@ -38,8 +38,8 @@ impl Cover {
         self.high[cell] = self.high[cell].max(z);
     }
 
-    /// Covers the cells whose middles are inside of an odd number of rings. Points are row and column from the first cell's
-    /// middle, and height; between the borders that a row meets the height goes straight.
+    /// Covers the cells whose middles are inside of an odd number of rings. Points are row and column from
+    /// the first cell's middle, and height; between the borders that a row meets the height goes straight.
     pub(crate) fn fill(&mut self, rings: &[Vec<V3>]) {
         let rows = || rings.iter().flatten().map(|point| point[0]);
         let margin = self.margin as f64;
@@ -107,8 +107,8 @@ impl Cover {
         high - low <= within_m
     }
 
-    /// Cells that are reached from some others, neighbour by neighbour, over covered cells of one height each, by steps of at
-    /// most so many metres.
+    /// Cells that are reached from some others, neighbour by neighbour, over covered cells of one height
+    /// each, by steps of at most so many metres.
     pub(crate) fn reached(&self, from: &[usize], step_m: f64) -> Vec<bool> {
         let is_one = |cell: usize| self.covered[cell] && self.high[cell] - self.low[cell] <= step_m;
         let mut reached = vec![false; self.covered.len()];
@@ -192,7 +192,8 @@ mod tests {
     #[test]
     fn rings_cover_middles_with_the_height_between_their_borders() {
         let mut cover = Cover::new(4, 1);
-        // Rows 0 to 2 and columns 1 to 2 of the mask, with a hole around (1, 1); the height is ten times the column.
+        // Rows 0 to 2 and columns 1 to 2 of the mask, with a hole around (1, 1); the height is ten times the
+        // column.
         let ring = |low: f64, high: f64, left: f64, right: f64| {
             vec![
                 [low, left, 10.0 * left],
@@ -245,7 +246,8 @@ mod tests {
                 [rows[1], columns[0], z],
             ]
         };
-        // A road along row 1, a deck 5 m above that crosses it in column 3, and one that joins the road in column 5.
+        // A road along row 1, a deck 5 m above that crosses it in column 3, and one that joins the road in
+        // column 5.
         cover.fill(&[strip([0.5, 1.5], [-0.5, 5.5], 0.0)]);
         cover.fill(&[strip([-0.5, 5.5], [2.5, 3.5], 5.0)]);
         cover.fill(&[strip([1.5, 4.5], [4.5, 5.5], 0.3)]);

@@ -95,8 +95,8 @@ const WORDS: &[(&str, &str, &[&str])] = &[
     ("hd_map", "lane_change", &["NONE", "Left", "Right", "Both"]),
 ];
 
-/// Looks at a table as such. `rows`: as many as its manifest says; `frames`: of the scene, and of how many of them one has
-/// rows or a member; `every`: of the row groups of sensors only each so many are looked at.
+/// Looks at a table as such. `rows`: as many as its manifest says; `frames`: of the scene, and of how many of
+/// them one has rows or a member; `every`: of the row groups of sensors only each so many are looked at.
 pub(crate) fn check(path: &Path, rows: usize, (frames, rate): (u32, u32), every: u32, ledger: &mut Ledger) {
     let name = path.to_string_lossy().replace('\\', "/");
     if name.ends_with(".npz") {

@@ -244,8 +244,8 @@ fn reals_of(array: &ArrayRef) -> Option<Vec<Option<f64>>> {
         .or_else(|| each_as::<Float16Type, _>(array, f64::from))
 }
 
-/// Values of a column of real numbers (or of lists of them) that are no numbers: how many of how many; none for other
-/// columns.
+/// Values of a column of real numbers (or of lists of them) that are no numbers: how many of how many; none
+/// for other columns.
 pub(crate) fn unreal(array: &ArrayRef) -> Option<(usize, usize)> {
     if let Some(values) = array.as_primitive_opt::<Float64Type>() {
         return Some((values.iter().flatten().filter(|v| !v.is_finite()).count(), values.len()));
@@ -261,7 +261,8 @@ pub(crate) fn unreal(array: &ArrayRef) -> Option<(usize, usize)> {
     unreal(&list)
 }
 
-/// Least and greatest value of a column of numbers (or of lists of them); none for other columns and where there is none.
+/// Least and greatest value of a column of numbers (or of lists of them); none for other columns and where
+/// there is none.
 pub(crate) fn extent(array: &ArrayRef) -> Option<(f64, f64)> {
     let reals = |values: &mut dyn Iterator<Item = f64>| {
         values.filter(|v| v.is_finite()).fold(None, |ends: Option<(f64, f64)>, v| {

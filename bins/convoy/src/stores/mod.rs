@@ -36,7 +36,8 @@ pub(crate) enum StoreCommand {
         /// Only these scenes.
         #[arg(long, value_name = "LIST")]
         scenes: Option<String>,
-        /// Keep what older code made, where nothing else changed; the manifests say so. For upgrades in mid-dataset.
+        /// Keep what older code made, where nothing else changed; the manifests say so. For upgrades in
+        /// mid-dataset.
         #[arg(long)]
         accept_code: bool,
         /// Worker threads.
@@ -61,8 +62,8 @@ pub(crate) enum StoreCommand {
         #[arg(long, value_name = "LIST")]
         scenes: Option<SceneList>,
     },
-    /// Takes into a store all that other stores of the same plan have and it has not: scenes that were made on several
-    /// machines.
+    /// Takes into a store all that other stores of the same plan have and it has not: scenes that were made
+    /// on several machines.
     Merge {
         /// The store that takes it: a folder, by its path or as file:///FOLDER; made where there is none.
         #[arg(long, value_name = "DIR")]
@@ -71,8 +72,8 @@ pub(crate) enum StoreCommand {
         #[arg(required = true, value_name = "STORE")]
         from: Vec<PathBuf>,
     },
-    /// Removes tiles of the static world that no scene's log names: those of older code or other settings. Not while a
-    /// simulation runs.
+    /// Removes tiles of the static world that no scene's log names: those of older code or other settings.
+    /// Not while a simulation runs.
     Tidy {
         /// The store: a folder, by its path or as file:///FOLDER.
         #[arg(long, value_name = "DIR")]
@@ -86,8 +87,8 @@ pub(crate) enum StoreCommand {
     },
 }
 
-/// Runs a command; logging must have been started. `stamp` is the build's (`build_stamp::STAMP`). The exit code is one of
-/// `EXIT_*`.
+/// Runs a command; logging must have been started. `stamp` is the build's (`build_stamp::STAMP`). The exit
+/// code is one of `EXIT_*`.
 #[must_use]
 pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
     match command {
@@ -173,7 +174,8 @@ fn run(common: &[String], scenes: Option<&str>, store: &std::path::Path) -> u8 {
     worst
 }
 
-/// Runs a stage program to its end and returns its exit code. A signal that ends this program ends the stage first.
+/// Runs a stage program to its end and returns its exit code. A signal that ends this program ends the stage
+/// first.
 fn run_program(command: &mut Command) -> std::io::Result<u8> {
     let mut child = command.spawn()?;
     let mut told = false;

@@ -27,7 +27,8 @@ pub(super) fn every_n_frames(path: &Path) -> Result<u64, EmbedError> {
     Ok(about.and_then(|a| a["every_n_frames"].as_u64()).filter(|&n| n > 0).unwrap_or(1))
 }
 
-/// The members of some frames as an archive, named by frames counted from the first one. They are copied as they are packed.
+/// The members of some frames as an archive, named by frames counted from the first one. They are copied as
+/// they are packed.
 pub(super) fn frames(path: &Path, (first, last): (u32, u32)) -> Result<Vec<u8>, EmbedError> {
     let archive = open(path)?;
     let mut out = Vec::new();

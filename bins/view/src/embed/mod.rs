@@ -1,7 +1,7 @@
 //! Excerpts: some frames of a scene as a store of its own, small enough to lie inside one page.
 //!
-//! Of each lidar reading every k-th point stays, k the least that lets the page fit; positions are rounded to 2^-7 m and intensities
-//! to 8 bits. Maps are cut to what comes near the agents. The page says all that.
+//! Of each lidar reading every k-th point stays, k the least that lets the page fit; positions are rounded to
+//! 2^-7 m and intensities to 8 bits. Maps are cut to what comes near the agents. The page says all that.
 
 mod archive;
 mod error;
@@ -171,7 +171,8 @@ impl Cut<'_> {
         self.agents.iter().any(|agent| file == format!("bev/{agent}.npz"))
     }
 
-    /// Sensor tables that belong to the excerpt, with every how many frames they have a row, and whether they hold points.
+    /// Sensor tables that belong to the excerpt, with every how many frames they have a row, and whether they
+    /// hold points.
     fn sensor_files(&self) -> Result<Vec<(String, u64, bool)>, EmbedError> {
         let mut found = Vec::new();
         for agent in &self.agents {

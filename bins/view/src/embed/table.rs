@@ -289,7 +289,8 @@ mod tests {
 
     use super::*;
 
-    /// Readings at frames 0, 2, 4: 5 points each, x = 10 frame + point, beside a column that is not asked for.
+    /// Readings at frames 0, 2, 4: 5 points each, x = 10 frame + point, beside a column that is not asked
+    /// for.
     fn lidar(path: &Path) {
         let floats = |values: Vec<Vec<f32>>| {
             ListArray::from_iter_primitive::<Float32Type, _, _>(
@@ -344,7 +345,8 @@ mod tests {
         // Points 0, 2, 4; a thousandth is less than half of 1/128 and goes.
         assert_eq!(floats(&batch, "x", 0), [20.0, 22.0, 24.0]);
         assert_eq!(floats(&batch, "x", 1), [40.0, 42.0, 44.0]);
-        // 0.1, 0.3, 0.5 are 25.5, 76.5 and 127.5 of 255; halves are rounded away from zero as 32-bit numbers have them.
+        // 0.1, 0.3, 0.5 are 25.5, 76.5 and 127.5 of 255; halves are rounded away from zero as 32-bit numbers
+        // have them.
         for (got, wanted) in floats(&batch, "intensity", 0).iter().zip([0.1, 0.3, 0.5]) {
             assert!(
                 (got - wanted).abs() <= 0.5 / 255.0 + 1e-6

@@ -1,4 +1,5 @@
-//! The program on a store made by hand: every mode gives a picture of the stated size that shows what is there.
+//! The program on a store made by hand: every mode gives a picture of the stated size that shows what is
+//! there.
 
 mod store_at;
 
@@ -76,7 +77,8 @@ fn every_mode_shows_something_in_its_size_on_any_number_of_threads() {
     make(&store);
     let listed = done(&viz(&store, &["--list"]));
     let modes: Vec<&str> = listed.lines().next().expect("vehicle_0").split_whitespace().skip(1).collect();
-    // Five images, three clouds in two views, with boxes but for the semantic one, voxels, masks, together: near and far.
+    // Five images, three clouds in two views, with boxes but for the semantic one, voxels, masks, together:
+    // near and far.
     assert_eq!(modes.len(), 5 + 2 * (4 + 2 + 4) + 2 + 2 + 4 + 1, "{modes:?}");
     let drawn = |threads: &str| {
         let dest = folder.path().join(threads);
@@ -121,7 +123,8 @@ fn what_is_drawn_stands_where_it_is() {
         picture(path, bytes)
     };
     let is_blue = |p: Option<[u8; 3]>| p.is_some_and(|[r, g, b]| b > 150 && r < 110 && g < 180);
-    // The car's back is 6 m ahead, 2 m wide, from the ground to 1.5 m, the camera 1.5 m high: 32 pixels a metre at 1 m.
+    // The car's back is 6 m ahead, 2 m wide, from the ground to 1.5 m, the camera 1.5 m high: 32 pixels a
+    // metre at 1 m.
     let photograph = find("RGB-CAM_FRONT");
     assert!(is_blue(photograph.pixel([26, 20])) && is_blue(photograph.pixel([37, 20])));
     assert!(!is_blue(photograph.pixel([32, 20])) && !is_blue(photograph.pixel([20, 20])));
@@ -181,7 +184,8 @@ fn sheets_and_films_have_what_there_is() {
     assert_eq!(bytes[at + 4..at + 8], 2_u32.to_be_bytes());
 }
 
-/// Zeros that stand for what nobody knows are not painted: who asks for them is told, and what else may be chosen.
+/// Zeros that stand for what nobody knows are not painted: who asks for them is told, and what else may be
+/// chosen.
 #[test]
 fn what_imports_do_not_know_is_told() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -197,7 +201,8 @@ fn what_imports_do_not_know_is_told() {
         &run("named", &["--modes", "RADAR-FAR", "--colour", "id"]),
         &["id of points of RAD_FRONT", "distance, height, velocity, agent"],
     );
-    // Without a choice of pictures those are left out that cannot be coloured so; of both lidars nobody knows intensities.
+    // Without a choice of pictures those are left out that cannot be coloured so; of both lidars nobody knows
+    // intensities.
     let told = run("tags", &["--colour", "tag"]);
     done(&told);
     let said = String::from_utf8_lossy(&told.stderr).into_owned();

@@ -1,4 +1,5 @@
-//! A store made by hand: a vehicle at the origin that looks north and an RSU 10 m ahead of it, a car 8 m ahead, two frames.
+//! A store made by hand: a vehicle at the origin that looks north and an RSU 10 m ahead of it, a car 8 m
+//! ahead, two frames.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -45,7 +46,8 @@ pub(crate) fn make(folder: &Path) {
     make_as(folder, "test");
 }
 
-/// Makes it as an import would: without columns of points that SimBEV2X's layout does not say, and without a map.
+/// Makes it as an import would: without columns of points that SimBEV2X's layout does not say, and without a
+/// map.
 pub(crate) fn make_imported(folder: &Path) {
     make_as(folder, IMPORTED);
 }

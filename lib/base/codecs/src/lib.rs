@@ -1,8 +1,8 @@
 //! Files that stock tools read: numpy archives here, PNG and JPEG in [`images`].
 //!
-//! An [`NpzWriter`] makes a numpy archive with one array per frame, `0000.npy`, `0001.npy`, ...: a zip, so that
-//! one frame is read without the others. Encoding a member ([`encode_member`]) needs nothing but its data, so
-//! callers encode many at once and append them in order:
+//! An [`NpzWriter`] makes a numpy archive with one array per frame, `0000.npy`, `0001.npy`, ...: a zip, so
+//! that one frame is read without the others. Encoding a member ([`encode_member`]) needs nothing but its
+//! data, so callers encode many at once and append them in order:
 //!
 //! ```
 //! use std::io::Cursor;

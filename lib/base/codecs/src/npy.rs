@@ -1,6 +1,7 @@
 //! The NPY header: what stands before an array's bytes.
 //!
-//! By hand: `npyz` brings some twenty crates (a grammar of Python's literals, big numbers) for this one line of text.
+//! By hand: `npyz` brings some twenty crates (a grammar of Python's literals, big numbers) for this one line
+//! of text.
 
 use crate::dtype::{DType, Scalar};
 use crate::error::NpzError;

@@ -1,6 +1,7 @@
 //! The letters: along which lines the pen goes.
 
-/// A move of the pen, to a place between the left and right (0 to 1) and the lower and upper (0 to 1) middle of the outermost strokes.
+/// A move of the pen, to a place between the left and right (0 to 1) and the lower and upper (0 to 1) middle
+/// of the outermost strokes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Step {
     /// Straight; the first step of a stroke is where it begins.

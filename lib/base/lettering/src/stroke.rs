@@ -69,7 +69,8 @@ fn line_of(steps: &[Step]) -> Vec<Point> {
     line
 }
 
-/// A pen's outline along a line, counter-clockwise; `beyond` are the points before and after it, where the line goes on.
+/// A pen's outline along a line, counter-clockwise; `beyond` are the points before and after it, where the
+/// line goes on.
 fn outline(line: &[Point], beyond: Option<[Point; 2]>, pen: f64) -> Vec<Point> {
     let n = line.len();
     let before = |i: usize| if i > 0 { Some(line[i - 1]) } else { beyond.map(|ends| ends[0]) };

@@ -49,7 +49,8 @@ impl Stream {
         last
     }
 
-    /// One of some items with their weights, all alike where all weights are 1: as [`Stream::choose`] draws then, to the bit.
+    /// One of some items with their weights, all alike where all weights are 1: as [`Stream::choose`] draws
+    /// then, to the bit.
     pub fn choose_common<T: Copy>(&mut self, items: &[(T, f64)]) -> Option<T> {
         #[allow(clippy::float_cmp, reason = "what nobody changed")]
         let all_alike = items.iter().all(|(_, weight)| *weight == 1.0);

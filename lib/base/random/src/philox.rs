@@ -3,8 +3,8 @@
 const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const KEY_STEPS: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 
-/// Ten rounds of Philox on 128-bit counters with one 64-bit key, by word and counter. Plain loops over arrays, which the
-/// compiler turns into vector instructions.
+/// Ten rounds of Philox on 128-bit counters with one 64-bit key, by word and counter. Plain loops over
+/// arrays, which the compiler turns into vector instructions.
 pub(crate) fn philox4x32_10<const N: usize>(mut counters: [[u32; N]; 4], mut key: [u32; 2]) -> [[u32; N]; 4] {
     for round in 0..10 {
         if round > 0 {

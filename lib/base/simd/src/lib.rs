@@ -1,7 +1,7 @@
 //! SIMD: eight numbers at a time, for the inner loops of pictures.
 //!
-//! Every operation here is plain IEEE arithmetic, lane by lane: nothing fused, nothing approximate, no lane meets another.
-//! A loop over eight lanes gives the bits that eight scalar turns would, on every machine.
+//! Every operation here is plain IEEE arithmetic, lane by lane: nothing fused, nothing approximate, no lane
+//! meets another. A loop over eight lanes gives the bits that eight scalar turns would, on every machine.
 
 mod math;
 mod vector;

@@ -48,7 +48,8 @@ pub struct CarBody {
     pub has_roof_rails: bool,
 }
 
-/// Proportions of a hull. Lengths are shares of the whole length counted from the nose, heights shares of the whole height.
+/// Proportions of a hull. Lengths are shares of the whole length counted from the nose, heights shares of the
+/// whole height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
     /// Height of the bonnet's front edge.

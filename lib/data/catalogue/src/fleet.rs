@@ -1,7 +1,7 @@
 //! Which vehicles there are on the roads: how common each model is.
 //!
-//! The published datasets draw uniformly from a library of 44 models. Kinds keep their shares of that library; the models of
-//! a kind share as they are common on roads.
+//! The published datasets draw uniformly from a library of 44 models. Kinds keep their shares of that
+//! library; the models of a kind share as they are common on roads.
 
 use crate::model::{BaseType, Model, Special};
 use crate::models::vehicles;

@@ -111,7 +111,8 @@ pub struct Model {
     pub doors: u8,
     /// Whether it has lamps.
     pub has_lamps: bool,
-    /// How common it is among models of its kind, the most common ones 1: rough shares of what registers of vehicles count.
+    /// How common it is among models of its kind, the most common ones 1: rough shares of what registers of
+    /// vehicles count.
     pub commonness: f64,
     /// Its colours (sRGB), each as often as it is common.
     pub paints: &'static [[u8; 3]],
@@ -247,8 +248,8 @@ impl Gender {
 }
 
 impl Model {
-    /// How far the springs of a vehicle on four wheels let its body come down on a wheel, or up from it, metres: less than
-    /// there is room in the arches. Lorries and buses are stiff.
+    /// How far the springs of a vehicle on four wheels let its body come down on a wheel, or up from it,
+    /// metres: less than there is room in the arches. Lorries and buses are stiff.
     #[must_use]
     pub fn spring_travel_m(&self) -> f64 {
         let share = if matches!(self.base, BaseType::Truck | BaseType::Bus) { 0.05 } else { 0.1 };
@@ -284,7 +285,8 @@ impl Model {
         Gender::NAMES[usize::from(is_female)]
     }
 
-    /// What is true of every object of the model, for its attributes. ([`Model::gender`] depends on the object.)
+    /// What is true of every object of the model, for its attributes. ([`Model::gender`] depends on the
+    /// object.)
     #[must_use]
     pub fn facts(&self) -> Attributes {
         let facts = Attributes::new()
@@ -313,9 +315,9 @@ impl Model {
 /// See [`Attribute::Generation`].
 const GENERATION: u32 = 2;
 
-/// How far a vehicle of a length and width reaches inwards and outwards from a circle that its middle goes round on, metres:
-/// with a half wheelbase h, its rear axle goes round on a circle of radius sqrt(R^2 - h^2), and its outer front corner's
-/// circle follows from the side and the front.
+/// How far a vehicle of a length and width reaches inwards and outwards from a circle that its middle goes
+/// round on, metres: with a half wheelbase h, its rear axle goes round on a circle of radius sqrt(R^2 - h^2),
+/// and its outer front corner's circle follows from the side and the front.
 #[must_use]
 pub fn swept_m([length_m, width_m]: [f64; 2], half_base_m: f64, radius_m: f64) -> [f64; 2] {
     let rear = (radius_m * radius_m - half_base_m * half_base_m).max(0.0).sqrt();

@@ -62,7 +62,8 @@ pub fn find(name: &str) -> Option<&'static Model> {
     MODELS.iter().find(|m| m.name == name)
 }
 
-/// The model that a name of SimBEV2X's configurations means, by a part of it; none where no record has such a part.
+/// The model that a name of SimBEV2X's configurations means, by a part of it; none where no record has such a
+/// part.
 #[must_use]
 pub fn of_simbev2x(name: &str) -> Option<&'static Model> {
     MODELS.iter().find(|model| model.simbev2x.iter().any(|part| name.contains(part)))

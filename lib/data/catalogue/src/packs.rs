@@ -51,7 +51,8 @@ impl Catalogue {
         self.own(name).map(|(model, _)| *model).or_else(|| crate::models::find(name))
     }
 
-    /// All models: the built-in ones in their order, or what replaces them, then those that packs add, by name.
+    /// All models: the built-in ones in their order, or what replaces them, then those that packs add, by
+    /// name.
     pub fn models(&self) -> impl Iterator<Item = &'static Model> {
         let built_in = MODELS.iter().map(|model| self.own(model.name).map_or(model, |(own, _)| own));
         built_in.chain(self.added().map(|(model, _)| model))
@@ -85,7 +86,8 @@ impl Catalogue {
     pub fn identity(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         for (model, weight) in &self.own {
-            // A new field must be named here: whether and how it is written. A pack says nothing of the last ones.
+            // A new field must be named here: whether and how it is written. A pack says nothing of the last
+            // ones.
             let Model { name, base, size_m, wheelbase_m, wheel_radius_m, special, .. } = model;
             let Model { doors, wheels, has_lamps, person, .. } = model;
             let Model { axles: _, commonness: _, paints: _, simbev2x: _, body: _, .. } = model;
@@ -109,8 +111,9 @@ impl Catalogue {
     }
 }
 
-/// A model that stays for as long as the process does: models are handed about as `&'static` all over traffic, and a pack has few.
-/// Equal ones are kept once, however many scenes ask for them; nothing but memory depends on what is kept.
+/// A model that stays for as long as the process does: models are handed about as `&'static` all over
+/// traffic, and a pack has few. Equal ones are kept once, however many scenes ask for them; nothing but
+/// memory depends on what is kept.
 fn kept(row: &PlanModelRow) -> Option<&'static Model> {
     static KEPT: Mutex<Vec<&'static Model>> = Mutex::new(Vec::new());
     let gender = if row.gender == Gender::NAMES[1] { Gender::Female } else { Gender::Male };

@@ -1,7 +1,8 @@
 //! Colours of vehicles.
 
-/// Forty paints (sRGB), and how many of two hundred vehicles have each: close to what makers of paint publish of the colours of new
-/// cars worldwide. A third are white, a fifth black, nearly as many grey; then silver, blue, red, brown, green, others.
+/// Forty paints (sRGB), and how many of two hundred vehicles have each: close to what makers of paint publish
+/// of the colours of new cars worldwide. A third are white, a fifth black, nearly as many grey; then silver,
+/// blue, red, brown, green, others.
 const SHADES: [([u8; 3], usize); 40] = [
     ([242, 243, 242], 30),
     ([234, 233, 226], 20),

@@ -1,5 +1,6 @@
-//! Articulated vehicles: one that drives, and one that it tows. Each section is an object of its own, as nuScenes' annotators
-//! have it; sections are met in trains alone, so that [`crate::models::MODELS`] does not list them.
+//! Articulated vehicles: one that drives, and one that it tows. Each section is an object of its own, as
+//! nuScenes' annotators have it; sections are met in trains alone, so that [`crate::models::MODELS`] does not
+//! list them.
 //!
 //! Dimensions are of ordinary vehicles of each kind, taken from makers' public data sheets and rounded.
 
@@ -138,7 +139,8 @@ pub fn of_base(base: BaseType) -> Vec<(&'static Train, f64)> {
 }
 
 impl Train {
-    /// From the middle of the lead's footprint back to the middle of the towed one's, when they stand in line, metres.
+    /// From the middle of the lead's footprint back to the middle of the towed one's, when they stand in
+    /// line, metres.
     #[must_use]
     pub fn apart_m(&self) -> f64 {
         self.hitch_m + self.coupling_m
@@ -150,9 +152,10 @@ impl Train {
         self.apart_m() + 0.5 * self.towed.size_m[0]
     }
 
-    /// Radius on which the towed one's axle goes round, when the lead's middle has gone round for long on a circle, metres; 0
-    /// where the circle is too tight for that. With a half wheelbase h, the lead's rear axle is on `R^2 - h^2`; the hitch, e
-    /// behind it, on `+ e^2`; the axle, which rolls at a right angle to its rod L, on `- L^2`.
+    /// Radius on which the towed one's axle goes round, when the lead's middle has gone round for long on a
+    /// circle, metres; 0 where the circle is too tight for that. With a half wheelbase h, the lead's rear
+    /// axle is on `R^2 - h^2`; the hitch, e behind it, on `+ e^2`; the axle, which rolls at a right angle to
+    /// its rod L, on `- L^2`.
     #[must_use]
     pub fn axle_radius_m(&self, radius_m: f64) -> f64 {
         let half_base_m = 0.5 * self.lead.wheelbase_m;
@@ -185,7 +188,8 @@ mod tests {
     fn trains_are_as_long_as_the_law_allows() {
         for train in TRAINS {
             let long_m = 0.5 * train.lead.size_m[0] + train.rear_m();
-            // Directive 96/53/EC: 16.5 m with a semi-trailer, 18.75 m articulated buses; kingpins 2.04 m from the front corners.
+            // Directive 96/53/EC: 16.5 m with a semi-trailer, 18.75 m articulated buses; kingpins 2.04 m from
+            // the front corners.
             let most_m = if train.lead.base == BaseType::Bus { 18.75 } else { 16.5 };
             assert!((14.0..=most_m).contains(&long_m), "{}: {long_m}", train.towed.name);
             let ahead_m = 0.5 * train.towed.size_m[0] - train.coupling_m;

@@ -1,5 +1,5 @@
-//! What lies about in road works, and the signs before hazards: names and dimensions. `world` makes the meshes, `traffic`
-//! puts them on the road.
+//! What lies about in road works, and the signs before hazards: names and dimensions. `world` makes the
+//! meshes, `traffic` puts them on the road.
 
 use crate::roadside::CONCRETE;
 

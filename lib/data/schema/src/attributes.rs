@@ -94,7 +94,8 @@ keys! {
 
 /// Further facts about an object, in the order in which they were said: a JSON object of strings in tables.
 ///
-/// Keys of another version are kept, so that its stores can be read and copied; what is no JSON object of strings is refused.
+/// Keys of another version are kept, so that its stores can be read and copied; what is no JSON object of
+/// strings is refused.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Attributes(Vec<(Attribute, String)>);
 
@@ -221,7 +222,8 @@ mod tests {
     }
 
     proptest! {
-        /// The text is the one that joins quoted words with commas, members in the order in which they were said.
+        /// The text is the one that joins quoted words with commas, members in the order in which they were
+        /// said.
         #[test]
         fn plain_words_are_written_as_they_are(
             said in prop::collection::vec((0..KNOWN.len(), "[a-z0-9_. -]{0,12}"), 0..8)

@@ -29,7 +29,8 @@ pub struct Calibration {
     /// The 3 x 3 matrix that takes directions in a camera's optical frame (bent by its lens) to pixels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub intrinsics: Option<[[f64; 3]; 3]>,
-    /// What bends a camera's rays. Depth images of fisheyes hold distances along the ray, others along the axis.
+    /// What bends a camera's rays. Depth images of fisheyes hold distances along the ray, others along the
+    /// axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lens: Option<Lens>,
 }

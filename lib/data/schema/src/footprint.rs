@@ -1,7 +1,7 @@
 //! What of a fixed object stands in the way of somebody who walks.
 //!
-//! Boxes of lights, signs and lamps are those of the housing, the board, the whole lamp; on the ground stands a pole. A
-//! tree's box is its crown's; on the ground stands a trunk.
+//! Boxes of lights, signs and lamps are those of the housing, the board, the whole lamp; on the ground stands
+//! a pole. A tree's box is its crown's; on the ground stands a trunk.
 
 use frames::math::sin_cos;
 use frames::{Pose, World};
@@ -9,7 +9,8 @@ use frames::{Pose, World};
 use crate::tables::ActorRow;
 use crate::{ActorKind, ActorRole};
 
-/// Nothing lower than this over the ground is in the way, and nothing higher than [`WALKING_HEIGHT_M`], metres.
+/// Nothing lower than this over the ground is in the way, and nothing higher than [`WALKING_HEIGHT_M`],
+/// metres.
 pub const WALKING_HEIGHT_M: f64 = 1.9;
 /// Half width of a traffic light's foot, metres.
 const LIGHT_FOOT_M: f64 = 0.17;
@@ -71,7 +72,8 @@ pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
     let yaw_rad = pose.yaw();
     let half = [0.5 * actor.length_m, 0.5 * actor.width_m];
     let family = actor.model.split('.').next().unwrap_or_default();
-    // Where the box's middle is in the object's frame, how far below its origin the ground is, and how wide it is.
+    // Where the box's middle is in the object's frame, how far below its origin the ground is, and how wide
+    // it is.
     let (at, below_m, half_m) = match actor.kind {
         ActorKind::Surface => return None,
         ActorKind::TrafficLight => {
@@ -86,7 +88,8 @@ pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
             ([-half[0] + LAMP_FOOT_M, 0.0], 0.0, [LAMP_FOOT_M; 2])
         }
         ActorKind::Vegetation if family == "tree" => {
-            // The trunk's radius and how far it leans below walking height, and a third for how crowns pull it.
+            // The trunk's radius and how far it leans below walking height, and a third for how crowns pull
+            // it.
             let radius = 1.33 * (0.018 * actor.height_m + 0.06 + 0.03 * WALKING_HEIGHT_M) + 0.06;
             ([0.0; 2], 0.0, [radius.min(half[0]), radius.min(half[1])])
         }

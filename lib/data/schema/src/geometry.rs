@@ -19,8 +19,8 @@ pub enum Surface {
     Glass,
     /// A pane of a vehicle's cabin: dark glass as long as nobody looks through it.
     Window,
-    /// Where a door of a cabin stands open: dark as long as nobody looks through it. What stands less than [`DOOR_M`] behind it is what
-    /// is there while the door is closed.
+    /// Where a door of a cabin stands open: dark as long as nobody looks through it. What stands less than
+    /// [`DOOR_M`] behind it is what is there while the door is closed.
     Opening,
     /// Bare or painted metal.
     Metal,
@@ -32,14 +32,15 @@ pub enum Surface {
     Clothes(Weave),
     /// Road surface.
     Asphalt,
-    /// The same of a lane, or a flat strip of no use, with kerbs beside it: strips of quadrangles (right, right, left, left border), of two triangles each that begin
-    /// with the first corner.
+    /// The same of a lane, or a flat strip of no use, with kerbs beside it: strips of quadrangles (right,
+    /// right, left, left border), of two triangles each that begin with the first corner.
     KerbedAsphalt(Kerbs),
     /// Paint on the road.
     RoadMarking,
     /// Kerbs, walls, concrete.
     Concrete,
-    /// What a sidewalk is paved with. Where its mesh has a [`MeshTextures`], places in it are metres along the sidewalk and away from its kerb.
+    /// What a sidewalk is paved with. Where its mesh has a [`MeshTextures`], places in it are metres along
+    /// the sidewalk and away from its kerb.
     Paving(Paving),
     /// Grass and soil.
     Grass,
@@ -53,8 +54,8 @@ pub enum Surface {
     RoofTiles,
     /// A house front: windows in a grid of storeys and bays drawn by the shader from the object position.
     Facade(Wall),
-    /// Sheeting that sends light back to where it came from: number plates, signs' faces, reflectors, bands that warn. Where its mesh has a
-    /// [`MeshTextures`], the first coat's colour is on it.
+    /// Sheeting that sends light back to where it came from: number plates, signs' faces, reflectors, bands
+    /// that warn. Where its mesh has a [`MeshTextures`], the first coat's colour is on it.
     Reflector,
     /// Emits light while one of these [`crate::lights`] bits is set on its instance.
     Lamp(u32),
@@ -119,7 +120,8 @@ impl Surface {
     }
 }
 
-/// How deep a door is with its lining, metres: who looks through a [`Surface::Opening`] sees what is behind that.
+/// How deep a door is with its lining, metres: who looks through a [`Surface::Opening`] sees what is behind
+/// that.
 pub const DOOR_M: f32 = 0.13;
 
 /// What the walls of a house front are made of.
@@ -184,8 +186,8 @@ pub struct TriMesh {
     pub parts: Vec<MeshPart>,
     /// Normals for light at the corners of each triangle ; empty where all are flat.
     pub corner_normals: Vec<[Normal; 3]>,
-    /// What of the light of sky and ground reaches the corners of each triangle past its own body, in 255ths; empty where that
-    /// is not known: all of it.
+    /// What of the light of sky and ground reaches the corners of each triangle past its own body, in 255ths;
+    /// empty where that is not known: all of it.
     pub corner_visibility: Vec<[u8; 3]>,
     /// Pictures on it, where it has some of its own.
     pub textures: Option<Arc<MeshTextures>>,
@@ -300,8 +302,8 @@ pub struct Snapshot {
     pub meshes: Arc<[Arc<TriMesh>]>,
     /// All instances, in a fixed order.
     pub instances: Vec<Instance>,
-    /// What stands behind panes ([`Surface::is_window`]), by object ascending: only who looks through a pane sees it. They are numbered
-    /// on from the instances ([`Self::behind`]).
+    /// What stands behind panes ([`Surface::is_window`]), by object ascending: only who looks through a pane
+    /// sees it. They are numbered on from the instances ([`Self::behind`]).
     pub cabins: Vec<Instance>,
     /// Motions of the objects that may move, by id ascending. Others stand still.
     pub motions: Vec<ObjectMotion>,

@@ -2,7 +2,8 @@
 
 use crate::table::{Column, ColumnError, Field, Framed, Row};
 
-/// A row of the first type's table that has the columns of the second one besides: those that are there on request.
+/// A row of the first type's table that has the columns of the second one besides: those that are there on
+/// request.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Joined<A, B>(
     /// The columns that are always there.

@@ -10,25 +10,26 @@ pub enum Lens {
     /// Nothing.
     #[default]
     Pinhole,
-    /// Brown, "Decentering distortion of lenses", 1966, as OpenCV has it: with x and y the tangents of the ray and
-    /// r2 = x x + y y, a ray falls on x (1 + k1 r2 + k2 r2^2 + k3 r2^3) + 2 p1 x y + p2 (r2 + 2 x x), and on y likewise with
-    /// p1 (r2 + 2 y y) + 2 p2 x y.
+    /// Brown, "Decentering distortion of lenses", 1966, as OpenCV has it: with x and y the tangents of the
+    /// ray and r2 = x x + y y, a ray falls on x (1 + k1 r2 + k2 r2^2 + k3 r2^3) + 2 p1 x y + p2 (r2 + 2 x x),
+    /// and on y likewise with p1 (r2 + 2 y y) + 2 p2 x y.
     Brown {
         /// k1, k2, k3.
         k: [f64; 3],
         /// p1, p2.
         p: [f64; 2],
     },
-    /// Kannala and Brandt, "A generic camera model and calibration method", 2006, eq. 6, as OpenCV's fisheye has it: a ray at
-    /// angle a off the axis falls a (1 + k1 a^2 + k2 a^4 + k3 a^6 + k4 a^8) away from it. Without coefficients it is
-    /// equidistant.
+    /// Kannala and Brandt, "A generic camera model and calibration method", 2006, eq. 6, as OpenCV's fisheye
+    /// has it: a ray at angle a off the axis falls a (1 + k1 a^2 + k2 a^4 + k3 a^6 + k4 a^8) away from it.
+    /// Without coefficients it is equidistant.
     Fisheye {
         /// k1 to k4.
         k: [f64; 4],
     },
 }
 
-/// Directions farther off the axis than this are not looked for through a lens that is made of tangents: 87 degrees.
+/// Directions farther off the axis than this are not looked for through a lens that is made of tangents: 87
+/// degrees.
 const MOST_TANGENT: f64 = 19.0;
 /// Steps in which the end of a lens is searched.
 const STEPS: u32 = 4096;
@@ -65,8 +66,8 @@ impl LensModel {
         Some(Self { formula, limit: formula.rises_until(most) })
     }
 
-    /// Where a direction falls on a picture of focal length 1 about its axis, and whether the lens shows it: of what it does
-    /// not show, where the outermost direction on that side falls.
+    /// Where a direction falls on a picture of focal length 1 about its axis, and whether the lens shows it:
+    /// of what it does not show, where the outermost direction on that side falls.
     #[must_use]
     pub fn project(&self, [x, y, z]: [f64; 3]) -> ([f64; 2], bool) {
         let across = math::hypot(x, y);
@@ -88,8 +89,8 @@ impl LensModel {
         }
     }
 
-    /// The direction that falls on a place of a picture of focal length 1 about its axis: 1 long along the axis (Brown) or 1
-    /// long (fisheye). None where the lens shows nothing.
+    /// The direction that falls on a place of a picture of focal length 1 about its axis: 1 long along the
+    /// axis (Brown) or 1 long (fisheye). None where the lens shows nothing.
     #[must_use]
     pub fn direction(&self, at: [f64; 2]) -> Option<[f64; 3]> {
         match self.formula {
@@ -170,7 +171,8 @@ fn fisheye([k1, k2, k3, k4]: [f64; 4], angle: f64) -> f64 {
     angle * (1.0 + s * (k1 + s * (k2 + s * (k3 + s * k4))))
 }
 
-/// The angle whose radius is given, if it is at most `limit`: up to there radii grow. Newton's method within a bracket.
+/// The angle whose radius is given, if it is at most `limit`: up to there radii grow. Newton's method within
+/// a bracket.
 fn angle_of(k: [f64; 4], radius: f64, limit: f64) -> Option<f64> {
     let edge = fisheye(k, limit);
     if radius > edge || !radius.is_finite() || !edge.is_finite() {

@@ -1,7 +1,7 @@
 //! The words that every crate shares: ids, tags, classes, palettes, table rows and meshes.
 //!
-//! Nothing here reads or writes files. Numbers that other tools know (tag ids, palettes, corner order, channel
-//! order) are fixed here once and nowhere else.
+//! Nothing here reads or writes files. Numbers that other tools know (tag ids, palettes, corner order,
+//! channel order) are fixed here once and nowhere else.
 
 mod actor_kind;
 mod actor_role;

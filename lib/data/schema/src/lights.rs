@@ -18,7 +18,8 @@ pub const REVERSE: u32 = 1 << 6;
 pub const FOG: u32 = 1 << 7;
 /// Emergency lights of police, ambulance, fire engine.
 pub const EMERGENCY: u32 = 1 << 9;
-/// The other half of the emergency lights, which flash in turn: of instances only, the log has [`EMERGENCY`] for both.
+/// The other half of the emergency lights, which flash in turn: of instances only, the log has [`EMERGENCY`]
+/// for both.
 pub const EMERGENCY_OTHER: u32 = 1 << 10;
 /// Red lens of a traffic light.
 pub const SIGNAL_RED: u32 = 1 << 16;

@@ -28,7 +28,8 @@ pub struct TextureSet {
     pub glow: Option<Glow>,
 }
 
-/// Normals in a picture, as glTF has them: red to its right, green up it, blue outwards, 0 to 255 for -1 to 1.
+/// Normals in a picture, as glTF has them: red to its right, green up it, blue outwards, 0 to 255 for -1 to
+/// 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Relief {
     /// The normals.

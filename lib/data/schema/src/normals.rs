@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
-/// A unit vector in four bytes: an octahedron unfolded to a square (Meyer et al., "On Floating-Point Normal Vectors", EGSR 2010). Off by
-/// at most 0.01 degrees.
+/// A unit vector in four bytes: an octahedron unfolded to a square (Meyer et al., "On Floating-Point Normal
+/// Vectors", EGSR 2010). Off by at most 0.01 degrees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Normal([i16; 2]);
 

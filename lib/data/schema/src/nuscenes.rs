@@ -17,7 +17,8 @@ pub const NUSCENES_ATTRIBUTES: [(&str, &str); 8] = [
 /// Slower than this is standing, m/s.
 const STANDING_MPS: f64 = 0.2;
 
-/// nuScenes' attribute of an object of a kind with tags that moves at a speed; cones, barriers, lights and signs have none.
+/// nuScenes' attribute of an object of a kind with tags that moves at a speed; cones, barriers, lights and
+/// signs have none.
 #[must_use]
 pub fn nuscenes_attribute(
     class: DetectionClass,

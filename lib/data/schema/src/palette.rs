@@ -2,7 +2,8 @@
 
 use crate::BevClass;
 
-/// Colour of a BEV class in the palette of Cityscapes (sRGB): what the original's `use_cityscapes_palette` chooses.
+/// Colour of a BEV class in the palette of Cityscapes (sRGB): what the original's `use_cityscapes_palette`
+/// chooses.
 #[must_use]
 pub fn bev_cityscapes_rgb(class: BevClass) -> [u8; 3] {
     CITYSCAPES[class as usize]

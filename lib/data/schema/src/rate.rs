@@ -1,7 +1,8 @@
 //! Sensors and labels that are made at a part of the frames: at frames 0, n, 2 n, ...
 //!
-//! A sensor's table says its n in its metadata ([`crate::calibration::Calibration::every_n_frames`]), an archive of arrays in
-//! its comment, the annotation in `log/scene.json`. Frames between have neither rows nor members. An n of 0 counts as 1.
+//! A sensor's table says its n in its metadata ([`crate::calibration::Calibration::every_n_frames`]), an
+//! archive of arrays in its comment, the annotation in `log/scene.json`. Frames between have neither rows nor
+//! members. An n of 0 counts as 1.
 
 /// Whether a frame is one of every `every_n_frames`.
 #[must_use]

@@ -46,9 +46,11 @@ pub struct SceneInfo {
     pub final_weather: BTreeMap<String, f64>,
     /// Background actors start within this distance of a data-collection vehicle, m.
     pub spawn_radius_m: f64,
-    /// The static world is there within this distance of every agent at every frame, m; nothing is shown beyond.
+    /// The static world is there within this distance of every agent at every frame, m; nothing is shown
+    /// beyond.
     pub world_radius_m: f64,
-    /// Clustered: the point around which the data-collection vehicles were drawn; chained: the first one's, m.
+    /// Clustered: the point around which the data-collection vehicles were drawn; chained: the first one's,
+    /// m.
     pub pivot_xyz_m: [f64; 3],
     /// Added to the flux of every street lamp, lm; 0 when the lights were never switched on.
     pub street_light_intensity_change_lm: f64,

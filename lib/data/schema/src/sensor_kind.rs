@@ -32,7 +32,8 @@ fn columns_of<R: Row>() -> Vec<&'static str> {
     R::fields().into_iter().map(|field| field.name).collect()
 }
 
-/// The row types of sensors' tables. A sensor of a new row type is a line here; a test finds one that is forgotten.
+/// The row types of sensors' tables. A sensor of a new row type is a line here; a test finds one that is
+/// forgotten.
 fn row_types() -> [(Vec<&'static str>, Holds); 8] {
     [
         (columns_of::<CameraRow>(), Holds::Images),
@@ -47,8 +48,8 @@ fn row_types() -> [(Vec<&'static str>, Holds); 8] {
 }
 
 impl SensorKind {
-    /// What a sensor's table holds, by its row type: its first columns, in order, are those of the type. (Tables of lidars may
-    /// have further ones.) `None`: no sensor's table.
+    /// What a sensor's table holds, by its row type: its first columns, in order, are those of the type.
+    /// (Tables of lidars may have further ones.) `None`: no sensor's table.
     #[must_use]
     pub fn of_table(name: &str, columns: &[String]) -> Option<Self> {
         let is_of = |(of_type, _): &(Vec<&str>, Holds)| {

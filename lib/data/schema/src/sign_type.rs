@@ -1,7 +1,8 @@
 //! What traffic signs say.
 
-/// Words for what a sign says, as the attribute `sign_type` has them; a sign that says something else, or nothing that is known,
-/// has the empty one. Numbers of speed limits are those on the board, whatever the unit of the country.
+/// Words for what a sign says, as the attribute `sign_type` has them; a sign that says something else, or
+/// nothing that is known, has the empty one. Numbers of speed limits are those on the board, whatever the
+/// unit of the country.
 pub const SIGN_TYPES: [&str; 58] = [
     "",
     "stop",

@@ -151,7 +151,8 @@ pub trait Row: Sized {
     /// Columns (in [`Row::fields`] order) back to rows.
     ///
     /// # Errors
-    /// A column has another type or length than the row type says, or a text is none of those that its type knows.
+    /// A column has another type or length than the row type says, or a text is none of those that its type
+    /// knows.
     fn from_columns(columns: Vec<Column>) -> Result<Vec<Self>, ColumnError>;
 }
 
@@ -274,7 +275,8 @@ impl Cell for Blob {
     }
 }
 
-/// Numbers that are kept as half floats: 11 binary digits of each. Where a list of `f32` is asked for, such a column is read, too.
+/// Numbers that are kept as half floats: 11 binary digits of each. Where a list of `f32` is asked for, such a
+/// column is read, too.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Halves(
     /// The numbers.

@@ -7,7 +7,8 @@ pub const TILE_M: f64 = 256.0;
 /// What belongs to a tile reaches at most this far beyond it, metres: wide roads, houses, crowns of trees.
 pub const TILE_OVERHANG_M: f64 = 64.0;
 
-/// A tile, by its place in the grid whose corner is the world's origin. Tiles are ordered by column, then row.
+/// A tile, by its place in the grid whose corner is the world's origin. Tiles are ordered by column, then
+/// row.
 ///
 /// ```
 /// use schema::tile::TileIndex;

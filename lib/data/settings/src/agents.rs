@@ -65,8 +65,8 @@ settings! {
         spawn_separation_m: f64 = 24.0, within(2.0..=1000.0), yaml("spawn_point_separation_distance");
         /// Where data-collection vehicles may start, instead of the map's spawn points.
         starts: Vec<GivenStart> = Vec::new(), or("the map's spawn points"), by(starts);
-        /// Share of a scene's vehicles that collect data (at least one does); `traffic.vehicles` counts all of them, and
-        /// `min_vehicles` and `max_vehicles` have no say.
+        /// Share of a scene's vehicles that collect data (at least one does); `traffic.vehicles` counts all
+        /// of them, and `min_vehicles` and `max_vehicles` have no say.
         penetration: Option<f64> = None, within(0.0..=1.0), or("min_vehicles to max_vehicles collect data");
     }
     rule consistent;

@@ -22,14 +22,16 @@ settings! {
         bloom: f64 = 0.03, within(0.0..=0.5);
         /// Noise of RGB images, times that of a usual chip.
         noise: f64 = 1.0, within(0.0..=10.0);
-        /// How long the shutter of RGB images is open, until the frame's time, s: what moves is smeared; 0 leaves it sharp.
+        /// How long the shutter of RGB images is open, until the frame's time, s: what moves is smeared; 0
+        /// leaves it sharp.
         exposure_time_s: f64 = 0.0, within(0.0..=0.05);
-        /// Width of the opening that blurs RGB images where they are out of focus, mm (brightness follows `f_stop`); 0 leaves all
-        /// sharp.
+        /// Width of the opening that blurs RGB images where they are out of focus, mm (brightness follows
+        /// `f_stop`); 0 leaves all sharp.
         aperture_mm: f64 = 0.0, within(0.0..=100.0);
         /// Distance at which an `aperture_mm` leaves RGB images sharp, m.
         focus_m: f64 = 20.0, within(0.1..=10_000.0);
-        /// Drops on the glass before the lens in RGB images when it rains, times a usual number; 0 keeps it dry.
+        /// Drops on the glass before the lens in RGB images when it rains, times a usual number; 0 keeps it
+        /// dry.
         lens_drops: f64 = 0.0, within(0.0..=10.0);
         /// JPEG quality of the RGB images.
         jpeg_quality: u8 = 80, within(1..=100);

@@ -1,5 +1,5 @@
-//! Everything that determines a dataset. Only the configuration and those who hand out its parts know this whole: stages
-//! get the parts that they use ([`crate::stages`]).
+//! Everything that determines a dataset. Only the configuration and those who hand out its parts know this
+//! whole: stages get the parts that they use ([`crate::stages`]).
 
 use crate::agents::AgentSettings;
 use crate::annotation::AnnotationSettings;
@@ -59,8 +59,8 @@ settings! {
         vehicle_rig: Rig = Rig::vehicle(), named("vehicle"), by(rig_keys::rig);
         /// Sensors of every RSU.
         rsu_rig: Rig = Rig::rsu(), named("rsu"), by(rig_keys::rig);
-        /// Agents with sensors and voxel grid of their own; besides `agents` all keys of `vehicle` or `rsu`, with the same
-        /// defaults.
+        /// Agents with sensors and voxel grid of their own; besides `agents` all keys of `vehicle` or `rsu`,
+        /// with the same defaults.
         own_rigs: Vec<OwnRig> = Vec::new(), named("rigs"), by(rig_keys::own);
         /// Which objects are annotated.
         annotation: AnnotationSettings = AnnotationSettings::default(), table();

@@ -25,7 +25,8 @@ pub fn json_schema() -> Value {
     root
 }
 
-/// The schema of a file that `rig` names: `configs/rigs/schema.json`. It has no defaults: vehicles and RSUs have others.
+/// The schema of a file that `rig` names: `configs/rigs/schema.json`. It has no defaults: vehicles and RSUs
+/// have others.
 #[must_use]
 pub fn rig_json_schema() -> Value {
     let mut root = whole("A rig of Convoy: docs/configuration.md");

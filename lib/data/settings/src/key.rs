@@ -1,5 +1,5 @@
-//! How a key is declared, once: [`settings!`] makes the struct, its defaults and its reader of it, and with them the page of keys,
-//! the JSON schema and the names in SimBEV2X.
+//! How a key is declared, once: [`settings!`] makes the struct, its defaults and its reader of it, and with
+//! them the page of keys, the JSON schema and the names in SimBEV2X.
 
 use std::ops::RangeInclusive;
 
@@ -19,8 +19,8 @@ use crate::reader::Section;
 //     rule in_order;
 // }
 ///
-/// A field is a key of the same name: its type, its default, and methods of [`Key`] that say the rest. The rule, a function,
-/// holds keys against each other.
+/// A field is a key of the same name: its type, its default, and methods of [`Key`] that say the rest. The
+/// rule, a function, holds keys against each other.
 macro_rules! settings {
     (
         $(#[doc = $about:literal])+

@@ -1,7 +1,9 @@
-//! The configuration's language: what can be said of a dataset, and how it is read from TOML or from YAML of SimBEV2X.
+//! The configuration's language: what can be said of a dataset, and how it is read from TOML or from YAML of
+//! SimBEV2X.
 //!
-//! Settings are plain, validated values, in SI units and radians; each stage sees the parts that it uses ([`stages`]). Default
-//! values are those of the published dataset unless a field says otherwise. Each section is a file of its own.
+//! Settings are plain, validated values, in SI units and radians; each stage sees the parts that it uses
+//! ([`stages`]). Default values are those of the published dataset unless a field says otherwise. Each
+//! section is a file of its own.
 
 mod agents;
 mod annotation;

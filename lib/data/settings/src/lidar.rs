@@ -62,13 +62,15 @@ impl ScanPattern {
 }
 
 settings! {
-    /// A revolution that takes the whole frame: its last column is fired at the frame's time, the first one a period before.
+    /// A revolution that takes the whole frame: its last column is fired at the frame's time, the first one a
+    /// period before.
     pub struct RollingScan {
-        /// With `rolling`: moments at which rays leave, at most one a column; neighbouring columns share one, the middle of theirs,
-        /// so that rays leave at most `period / (2 slices)` from when a steadily turning lidar would send them.
+        /// With `rolling`: moments at which rays leave, at most one a column; neighbouring columns share one,
+        /// the middle of theirs, so that rays leave at most `period / (2 slices)` from when a steadily
+        /// turning lidar would send them.
         slices: u32 = 64, named("rolling_slices"), within(1..=65_536);
-        /// With `rolling`: points are given from where the sensor is at the frame's time (its motion taken out), not from where it
-        /// was when the ray left.
+        /// With `rolling`: points are given from where the sensor is at the frame's time (its motion taken
+        /// out), not from where it was when the ray left.
         compensated: bool = true, named("rolling_compensated");
     }
 }
@@ -87,11 +89,13 @@ pub struct Returned {
 settings! {
     /// A beam.
     pub struct BeamSpec {
-        /// Rays a beam: 1 along its axis, or 7 over its cross-section, whose surfaces 1 m apart make echoes of their own.
+        /// Rays a beam: 1 along its axis, or 7 over its cross-section, whose surfaces 1 m apart make echoes
+        /// of their own.
         rays: u32 = 1, named("beam_rays"), within(1..=7);
         /// Full angle of a beam with `beam_rays` 7 or `weather`.
         divergence_rad: f64 = 0.003, named("beam_divergence_mrad"), milli(0.01..=50.0, "mrad");
-        /// Which echoes of a beam are returned: `first`, `strongest`, `last`; one that is several of these comes once.
+        /// Which echoes of a beam are returned: `first`, `strongest`, `last`; one that is several of these
+        /// comes once.
         returned: Returned = Returned { first: false, strongest: true, last: false }, named("returns"), by(returned);
     }
     rule of_some_rays;
@@ -130,7 +134,8 @@ impl BeamSpec {
 settings! {
     /// A lidar that rain and fog weaken and send light back to.
     pub struct WeatherSpec {
-        /// With `weather`: reflectance of the surface, met straight on in clear air at `range_m`, whose echo is just detected.
+        /// With `weather`: reflectance of the surface, met straight on in clear air at `range_m`, whose echo
+        /// is just detected.
         detected: f64 = 0.1, named("weather_detected"), within(0.001..=1.0);
     }
 }
@@ -152,8 +157,8 @@ settings! {
         dropoff_intensity_limit: f64 = 0.8, share(), yaml_in("lidar_properties", "dropoff_intensity_limit");
         /// Chance that a return of no intensity is dropped (semantic 0).
         dropoff_zero_intensity: f64 = 0.4, share(), yaml_in("lidar_properties", "dropoff_zero_intensity");
-        /// Loss of intensity, per m: intensity is `exp(-attenuation * distance)` times the surface's reflectance; the drop rule uses
-        /// the bare exponential.
+        /// Loss of intensity, per m: intensity is `exp(-attenuation * distance)` times the surface's
+        /// reflectance; the drop rule uses the bare exponential.
         attenuation_per_m: f64 = 0.004, within(0.0..=1.0), yaml_in("lidar_properties", "atmosphere_attenuation_rate");
         /// Standard deviation of the distance, m (semantic 0).
         noise_m: f64 = 0.03, within(0.0..=10.0), yaml_in("lidar_properties", "noise_stddev");
@@ -161,14 +166,16 @@ settings! {
         semantic: bool = false, apart();
         /// It sweeps at frames 0, n, 2 n, ...
         every_n_frames: u32 = 1, within(1..=1000);
-        /// Rays leave over the frame, the last column at the frame's time, while agent and objects move; else all at once.
+        /// Rays leave over the frame, the last column at the frame's time, while agent and objects move; else
+        /// all at once.
         rolling: Option<RollingScan> = None, switched();
         /// The beams.
         beam: BeamSpec = BeamSpec::default(), flat();
-        /// Rain and fog of the scene weaken echoes and send light back themselves, and wet ground sends back less; not for the
-        /// semantic lidar.
+        /// Rain and fog of the scene weaken echoes and send light back themselves, and wet ground sends back
+        /// less; not for the semantic lidar.
         weather: Option<WeatherSpec> = None, switched();
-        /// Light passes the panes of vehicles within 50 m of the agent; returns from behind them are of a kind of their own.
+        /// Light passes the panes of vehicles within 50 m of the agent; returns from behind them are of a
+        /// kind of their own.
         glass: bool = false;
     }
     rule consistent;
@@ -228,7 +235,8 @@ impl LidarSpec {
         }
     }
 
-    /// Whether a beam can have several echoes, or some that are no surface's or from behind glass: then the table says of each return which it is.
+    /// Whether a beam can have several echoes, or some that are no surface's or from behind glass: then the
+    /// table says of each return which it is.
     #[must_use]
     pub fn tells_returns(&self) -> bool {
         self.beam.rays > 1 || self.weather.is_some() || self.glass

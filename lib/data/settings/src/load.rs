@@ -1,5 +1,5 @@
-//! The dataset configuration: TOML in, [`DatasetSettings`] out, every fault at once with its line. YAML of SimBEV2X is
-//! translated first.
+//! The dataset configuration: TOML in, [`DatasetSettings`] out, every fault at once with its line. YAML of
+//! SimBEV2X is translated first.
 
 use std::path::Path;
 
@@ -7,8 +7,8 @@ use crate::dataset::{DatasetSettings, read};
 use crate::reader::{Fault, Source, texts_of, with_documents};
 use crate::{rig_keys, yaml};
 
-/// Reads a configuration file, and what it asks for in vain (keys of a YAML file that have no effect here). Files
-/// whose names end in `.yaml` or `.yml` are read as SimBEV2X configurations.
+/// Reads a configuration file, and what it asks for in vain (keys of a YAML file that have no effect here).
+/// Files whose names end in `.yaml` or `.yml` are read as SimBEV2X configurations.
 ///
 /// # Errors
 /// All faults of the file, with line numbers.

@@ -22,8 +22,8 @@ fn named_once(s: &Section<'_>, read: &ModelSettings) {
 }
 
 impl ModelSettings {
-    /// Whether there are only the built-in models; then nothing is written of these settings, and digests are as they were before there
-    /// were packs.
+    /// Whether there are only the built-in models; then nothing is written of these settings, and digests are
+    /// as they were before there were packs.
     #[must_use]
     pub fn is_built_in(&self) -> bool {
         self.packs.is_empty()

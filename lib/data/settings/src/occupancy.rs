@@ -32,8 +32,8 @@ settings! {
         y_left: bool = false, named("use_y_left"), yaml_in("voxel_detector_properties", "use_y_left");
         /// Without `full_sweep`: sweep columns from the right.
         y_right: bool = false, named("use_y_right"), yaml_in("voxel_detector_properties", "use_y_right");
-        /// Between what sweeps from top and bottom meet: nothing; `scanline` one label where both have it; `boxsweep` what touches
-        /// each cell.
+        /// Between what sweeps from top and bottom meet: nothing; `scanline` one label where both have it;
+        /// `boxsweep` what touches each cell.
         z_fill: ZFill = ZFill::None, named("z_fill_mode"), choice(), yaml_in("voxel_detector_properties", "z_fill_mode");
     }
 }
@@ -97,11 +97,11 @@ settings! {
         ids: bool = false;
         /// Write the velocity of each occupied cell (`occupancy_flow/`).
         flow: bool = false;
-        /// How insides are filled: `chunk` by class in chunks, as SimBEV2X does; `paper` where all six directions meet one label
-        /// first; `solid` whatever is closed.
+        /// How insides are filled: `chunk` by class in chunks, as SimBEV2X does; `paper` where all six
+        /// directions meet one label first; `solid` whatever is closed.
         fill_rule: FillingRule = FillingRule::Chunk, choice();
-        /// Write which cells the agent's lidars saw free, occupied or not at all (`occupancy_observed/`); one of them must sweep at
-        /// every frame that has a grid.
+        /// Write which cells the agent's lidars saw free, occupied or not at all (`occupancy_observed/`); one
+        /// of them must sweep at every frame that has a grid.
         #[serde(skip_serializing_if = "std::ops::Not::not")]
         observed: bool = false;
         /// Grids are made at frames 0, n, 2 n, ...

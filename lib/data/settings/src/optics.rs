@@ -25,8 +25,9 @@ pub struct Optics {
 }
 
 impl Optics {
-    /// Square pixels, the axis through the middle and this horizontal field of view: `f = width / (2 tan(fov / 2))`. Of angles
-    /// that no pinhole camera has (0, half a turn and beyond) the focal length is no number.
+    /// Square pixels, the axis through the middle and this horizontal field of view:
+    /// `f = width / (2 tan(fov / 2))`. Of angles that no pinhole camera has (0, half a turn and beyond) the
+    /// focal length is no number.
     #[must_use]
     pub fn pinhole(width: u32, height: u32, horizontal_fov_rad: f64) -> Self {
         let is_one = horizontal_fov_rad > 0.0 && horizontal_fov_rad < std::f64::consts::PI;
@@ -44,8 +45,8 @@ impl Optics {
         }
     }
 
-    /// The same of a lens: of fisheyes the focal length is that by which half of the picture is half of the angle. Brown's
-    /// distortion changes the angle that is given here.
+    /// The same of a lens: of fisheyes the focal length is that by which half of the picture is half of the
+    /// angle. Brown's distortion changes the angle that is given here.
     #[must_use]
     pub fn by_angle(width: u32, height: u32, horizontal_fov_rad: f64, lens: &Lens) -> Self {
         let mut optics = Self { lens: *lens, ..Self::pinhole(width, height, horizontal_fov_rad) };
@@ -62,7 +63,8 @@ impl Optics {
     #[must_use]
     pub fn problem(&self) -> Option<String> {
         let model = LensModel::of(&self.lens)?;
-        // If the rim looks somewhere, so does what it surrounds: lenses are one to one up to a distance from the axis.
+        // If the rim looks somewhere, so does what it surrounds: lenses are one to one up to a distance from
+        // the axis.
         let (width, height) = (self.width, self.height);
         let sides = (0..height).flat_map(|y| [(0, y), (width - 1, y)]);
         let rim = (0..width).flat_map(|x| [(x, 0), (x, height - 1)]).chain(sides);

@@ -50,7 +50,8 @@ settings! {
         fov_deg: Option<f64> = None, within(1.0..=350.0), or("that of camera");
         /// `brown`: radial and tangential distortion; `fisheye`: equidistant, by Kannala and Brandt.
         lens: LensWord = LensWord::Pinhole, choice();
-        /// Coefficients of the lens as OpenCV orders them: k1, k2, p1, p2, k3 of `brown`, k1 to k4 of `fisheye`.
+        /// Coefficients of the lens as OpenCV orders them: k1, k2, p1, p2, k3 of `brown`, k1 to k4 of
+        /// `fisheye`.
         distortion: Option<Vec<f64>> = None, or("zeros");
         /// Focal length in columns, pixels.
         fx: Option<f64> = None, within(1.0..=1e6), or("by the field of view");

@@ -20,7 +20,8 @@ settings! {
         vertical_fov_rad: f64 = deg(20.0), named("vertical_fov_deg"), degrees(0.1..=179.0), yaml("radar_vertical_fov");
         /// Rays per frame.
         rays: u32 = 2000, within(1..=1_000_000);
-        /// Velocities are those of the surfaces hit, turning wheels and swinging limbs too, not of the bodies.
+        /// Velocities are those of the surfaces hit, turning wheels and swinging limbs too, not of the
+        /// bodies.
         micro_motion: bool = false;
         /// Signal to noise of a target of 1 m2 at 100 m, dB.
         snr_db: f64 = 10.0, within(-50.0..=100.0);

@@ -129,8 +129,9 @@ struct Layer<'a> {
     span: Option<Range<usize>>,
 }
 
-/// A table of the configuration, or the absence of one (then every key has its default). Below it may lie the same table of
-/// another file: it has the keys that the first one lacks. A table can be opened as often as needed.
+/// A table of the configuration, or the absence of one (then every key has its default). Below it may lie the
+/// same table of another file: it has the keys that the first one lacks. A table can be opened as often as
+/// needed.
 pub(crate) struct Section<'a> {
     context: &'a Context<'a>,
     path: String,
@@ -171,7 +172,8 @@ pub(crate) fn with_documents<T>(
     Err(faults.into_iter().map(|(_, fault)| fault).collect())
 }
 
-/// The texts that a key has in some tables of a configuration, and in the tables of some lists: the files that it names.
+/// The texts that a key has in some tables of a configuration, and in the tables of some lists: the files
+/// that it names.
 pub(crate) fn texts_of(text: &str, key: &str, tables: &[&str], lists: &[&str]) -> BTreeSet<String> {
     let (document, _) = DeTable::parse_recoverable(text);
     let root = document.get_ref();
@@ -275,7 +277,8 @@ impl<'a> Section<'a> {
         self.fault_at_any(&[key], message);
     }
 
-    /// Reports a fault that several keys make together: at the first of them that is there, else at the section.
+    /// Reports a fault that several keys make together: at the first of them that is there, else at the
+    /// section.
     pub(crate) fn fault_at_any(&self, keys: &[&str], message: String) {
         if let Some(found) = keys.iter().find_map(|key| self.all(key).next()) {
             self.fault(found, message);

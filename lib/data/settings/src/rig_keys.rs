@@ -232,8 +232,9 @@ fn occupancy(parent: &Section<'_>, d: &OccupancySettings) -> OccupancySettings {
     OccupancySettings::read(&parent.section("occupancy", "Voxel grid."), d)
 }
 
-/// Grids of what lidars saw are at frames 0, n, 2 n, ...: one lidar must sweep at all of them. (Several that each miss some of them
-/// miss some together: every n times a number that shares no divisor with their rates.)
+/// Grids of what lidars saw are at frames 0, n, 2 n, ...: one lidar must sweep at all of them. (Several that
+/// each miss some of them miss some together: every n times a number that shares no divisor with their
+/// rates.)
 pub(crate) fn check_observers(parent: &Section<'_>, rig: &Rig, grid: &OccupancySettings) {
     if !grid.observed {
         return;

@@ -35,7 +35,8 @@ impl Split {
 pub struct SceneCount {
     /// The split.
     pub split: Split,
-    /// The map: `convoy/...` for our own towns, the path of an OpenDRIVE file, or the stem of one in the maps folder.
+    /// The map: `convoy/...` for our own towns, the path of an OpenDRIVE file, or the stem of one in the maps
+    /// folder.
     pub map: String,
     /// Scenes wanted.
     pub count: u32,

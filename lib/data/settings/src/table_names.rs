@@ -7,7 +7,8 @@ use crate::reader::Section;
 /// Longest name of a sensor: with a prefix and an ending it is a file name on every disk.
 const MAX_NAME: usize = 64;
 
-/// The tables of a rig so far, by their names in lower case: some disks take `LIDAR` and `lidar` for one file.
+/// The tables of a rig so far, by their names in lower case: some disks take `LIDAR` and `lidar` for one
+/// file.
 pub(crate) struct TableNames {
     taken: BTreeMap<String, String>,
 }
@@ -18,7 +19,8 @@ impl TableNames {
         Self { taken: fixed.into_iter().map(|table| (table.to_ascii_lowercase(), table)).collect() }
     }
 
-    /// Gives a sensor its tables. Faults (at the sensor's `name`): no plain name, or a table that another sensor has.
+    /// Gives a sensor its tables. Faults (at the sensor's `name`): no plain name, or a table that another
+    /// sensor has.
     pub(crate) fn take(&mut self, sensor: &Section<'_>, name: &str, tables: Vec<String>) {
         let path = sensor.path_of("name");
         let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));

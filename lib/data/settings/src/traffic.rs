@@ -27,12 +27,15 @@ settings! {
         distracted_background: f64 = 0.02, share(), yaml_percent("distracted_npc_percentage");
         /// Traffic is under way when the simulation begins, each vehicle at its speed, rather than at rest.
         moving_start: bool = false;
-        /// The lights of each junction begin their cycle at a drawn time before the simulation, rather than all with it.
+        /// The lights of each junction begin their cycle at a drawn time before the simulation, rather than
+        /// all with it.
         signal_offsets: bool = false;
-        /// Chance that a driver overlooks a light in a step of 50 ms: it then drives on for the step, but passes no line, and still
-        /// sees what asks for hard braking, until it has overlooked lights for 1 s on end; at 1 it sees none.
+        /// Chance that a driver overlooks a light in a step of 50 ms: it then drives on for the step, but
+        /// passes no line, and still sees what asks for hard braking, until it has overlooked lights for 1 s
+        /// on end; at 1 it sees none.
         ignore_lights: f64 = 0.001, share(), yaml_percent("ignore_lights_percentage");
-        /// The same for signs, lines without lights, and cones, barriers and all else that lies in road works.
+        /// The same for signs, lines without lights, and cones, barriers and all else that lies in road
+        /// works.
         ignore_signs: f64 = 0.001, share(), yaml_percent("ignore_signs_percentage");
         /// The same for other vehicles.
         ignore_vehicles: f64 = 0.001, share(), yaml_percent("ignore_vehicles_percentage");
@@ -42,7 +45,8 @@ settings! {
         emergency_lights: f64 = 0.5, share(), yaml_percent("emergency_lights_percentage");
         /// Chance that a background vehicle opens a door when it comes to a stop.
         door_open: f64 = 0.1, share(), yaml_percent("door_open_percentage");
-        /// Chance that a background vehicle is a tractor unit with a semi-trailer, where the way on is wide enough for one.
+        /// Chance that a background vehicle is a tractor unit with a semi-trailer, where the way on is wide
+        /// enough for one.
         articulated_lorries: f64 = 0.02, share();
         /// Chance that a bus in the background is an articulated one, there.
         articulated_buses: f64 = 0.3, share();

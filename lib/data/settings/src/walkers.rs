@@ -17,8 +17,8 @@ settings! {
         wheelchair: f64 = 0.04, share(), yaml_percent("wheelchair_use_percentage");
         /// Share of walkers who walk in groups of two or three.
         in_groups: f64 = 0.3, share();
-        /// Share of the others who stand and wait when the scene begins: at crossings, benches (where most sit), buildings; twice
-        /// that share of groups stands and talks.
+        /// Share of the others who stand and wait when the scene begins: at crossings, benches (where most
+        /// sit), buildings; twice that share of groups stands and talks.
         waiting: f64 = 0.1, share();
     }
 }

@@ -23,8 +23,8 @@ settings! {
     pub struct WorldSettings {
         /// How it is built up.
         scenery: SceneryRules = SceneryRules::default(), flat();
-        /// The static world is there within this distance of every agent at every frame, m (more where boxes or grids reach
-        /// farther); nothing is seen beyond.
+        /// The static world is there within this distance of every agent at every frame, m (more where boxes
+        /// or grids reach farther); nothing is seen beyond.
         radius_m: f64 = 400.0, within(50.0..=5000.0);
     }
 }

@@ -30,8 +30,8 @@ struct Crate {
 }
 
 impl Graph {
-    /// Reads a crate from its root file on, which `load` gives as well as all others by their paths in `src`; none where
-    /// there is no such file.
+    /// Reads a crate from its root file on, which `load` gives as well as all others by their paths in `src`;
+    /// none where there is no such file.
     pub(crate) fn read(root: &str, load: &dyn Fn(&Path) -> Option<String>) -> Option<Self> {
         let mut found = Crate { sources: Vec::new(), of_file: vec![Vec::new()], modules: BTreeMap::new() };
         let mut files = vec![PathBuf::from(root)];

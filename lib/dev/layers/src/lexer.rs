@@ -13,7 +13,8 @@ impl Token {
     }
 }
 
-/// Words, `::`, and single signs; comments are left out, and of literals only a `"` is left, or for numbers a `0`.
+/// Words, `::`, and single signs; comments are left out, and of literals only a `"` is left, or for numbers a
+/// `0`.
 pub(crate) fn tokens(source: &str) -> Vec<Token> {
     let chars: Vec<char> = source.chars().collect();
     let at = |i: usize| chars.get(i).copied().unwrap_or('\0');
@@ -85,7 +86,8 @@ fn block_comment_end(chars: &[char], from: usize) -> usize {
     i
 }
 
-/// Where the quote of a string is that begins here, and how many `#` it has; none before the quote if it is not raw.
+/// Where the quote of a string is that begins here, and how many `#` it has; none before the quote if it is
+/// not raw.
 fn string_start(chars: &[char], i: usize) -> Option<(usize, Option<usize>)> {
     let prefix = end(chars, i, |c| !matches!(c, 'b' | 'c' | 'r'));
     let raw = chars[i..prefix].contains(&'r');

@@ -1,8 +1,8 @@
-//! Fails where a crate depends on one that is not above it, and where files of a crate need one another in a circle: neither
-//! can be read, tested or moved without the other. Part of `make lint`.
+//! Fails where a crate depends on one that is not above it, and where files of a crate need one another in a
+//! circle: neither can be read, tested or moved without the other. Part of `make lint`.
 //!
-//! A file needs another one if it names something of it outside tests. Names that a module only hands on count as those of
-//! the file that they come from.
+//! A file needs another one if it names something of it outside tests. Names that a module only hands on
+//! count as those of the file that they come from.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "it is a check on the command line")]
 
 mod graph;

@@ -1,12 +1,13 @@
-//! Which crate may depend on which: a crate of a folder of `lib` uses crates of its own folder and of those above it.
+//! Which crate may depend on which: a crate of a folder of `lib` uses crates of its own folder and of those
+//! above it.
 
 use std::path::Path;
 
 /// The folders of `lib`, the uppermost first. `dev` holds what only tests and checks use.
 const ROOMS: [&str; 10] = ["base", "data", "map", "world", "sim", "see", "labels", "store", "out", "dev"];
 
-/// The checker finds no fault that it shares with the makers: it depends on no core, and of the schema it uses numbers and
-/// names alone.
+/// The checker finds no fault that it shares with the makers: it depends on no core, and of the schema it
+/// uses numbers and names alone.
 const CHECKER: &str = "bins/check";
 const CHECKER_MAY_USE: [&str; 8] = [
     "Published",
@@ -19,8 +20,8 @@ const CHECKER_MAY_USE: [&str; 8] = [
     "SIGN_TYPES",
 ];
 
-/// A crate by its folder, as `lib/map/town` or `bins/stats`, and the workspace's crates that it is built with, by the same.
-/// What tests and benchmarks alone use is not among them.
+/// A crate by its folder, as `lib/map/town` or `bins/stats`, and the workspace's crates that it is built
+/// with, by the same. What tests and benchmarks alone use is not among them.
 pub(crate) struct Crate {
     pub(crate) folder: String,
     pub(crate) uses: Vec<String>,
@@ -32,7 +33,8 @@ impl Crate {
         room(&self.folder)
     }
 
-    /// Reads a crate's manifest. Crates of the workspace are found by their keys in `[workspace.dependencies]`.
+    /// Reads a crate's manifest. Crates of the workspace are found by their keys in
+    /// `[workspace.dependencies]`.
     ///
     /// # Errors
     ///

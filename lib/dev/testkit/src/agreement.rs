@@ -1,14 +1,15 @@
-//! A rasteriser's picture beside what rays of the same camera hit: equal, pixel by pixel, but where rounding decides. Where that
-//! is, is worked out here from corners and poses, in double precision.
+//! A rasteriser's picture beside what rays of the same camera hit: equal, pixel by pixel, but where rounding
+//! decides. Where that is, is worked out here from corners and poses, in double precision.
 
 use glam::{Affine3A, DVec2, DVec3, Mat3, Vec3};
 use render::{Hits, PinholeCamera, RayBatch, SKY, VisibilityBuffer};
 use schema::geometry::Snapshot;
 
-/// An edge farther than this from a pixel's centre decides nothing, nor does one that the rounding of single-precision places
-/// and directions can't carry there.
+/// An edge farther than this from a pixel's centre decides nothing, nor does one that the rounding of
+/// single-precision places and directions can't carry there.
 const MARGIN_PX: f64 = 1e-4;
-/// Units in the last place by which places and directions are rounded at most, on their way from an object to a product.
+/// Units in the last place by which places and directions are rounded at most, on their way from an object to
+/// a product.
 const UNITS: f64 = 4.0;
 
 /// A camera at a place that looks along a direction, level sideways.
@@ -26,7 +27,8 @@ pub fn camera_at(from: Vec3, along: Vec3, width: u32, height: u32, fov_rad: f32)
 pub struct Agreement {
     /// Pixels that show something.
     pub seen: usize,
-    /// Those within rounding of an edge of what they show, or of where two surfaces or a surface and the near plane meet.
+    /// Those within rounding of an edge of what they show, or of where two surfaces or a surface and the near
+    /// plane meet.
     pub on_edges: usize,
     /// Those of them that differ.
     pub differing: usize,
@@ -166,7 +168,8 @@ impl Placed {
         let reach_m = source.iter().fold(0.0, |most: f64, p| most.max(f64::from(p.abs().max_element())));
         let rounded_m = unit * (reach_m + between.abs().max_element());
 
-        // A product with a plane's normal changes by so much within the margin, and by rounding it and the direction.
+        // A product with a plane's normal changes by so much within the margin, and by rounding it and the
+        // direction.
         let per_px = |n: DVec3| DVec2::new(n.x / f64::from(camera.fx), n.y / f64::from(camera.fy)).length();
         let off = |n: DVec3| MARGIN_PX * per_px(n) + unit * n.length() * d.length();
 

@@ -1,5 +1,5 @@
-//! A renderer that tries every triangle of every instance, in double precision and without any tree, tile or packet:
-//! a second implementation of the seam, to which the first must agree.
+//! A renderer that tries every triangle of every instance, in double precision and without any tree, tile or
+//! packet: a second implementation of the seam, to which the first must agree.
 
 use std::sync::Arc;
 
@@ -69,8 +69,8 @@ impl<'a> BruteScene<'a> {
         Self { snapshot, triangles }
     }
 
-    /// Closest hit: Moeller and Trumbore, "Fast, minimum storage ray-triangle intersection" (1997). Of equals, the
-    /// first.
+    /// Closest hit: Moeller and Trumbore, "Fast, minimum storage ray-triangle intersection" (1997). Of
+    /// equals, the first.
     fn closest_of(
         &self,
         origin: DVec3,

@@ -1,7 +1,9 @@
-//! What tests share: real maps, small roads, meshes and snapshots, a renderer by brute force. Only tests, benchmarks and examples depend on it.
+//! What tests share: real maps, small roads, meshes and snapshots, a renderer by brute force. Only tests,
+//! benchmarks and examples depend on it.
 //!
-//! What a machine may lack (real maps, Python packages, npm, a browser) is asked for here, so that one rule holds everywhere: the test
-//! prints that it skips, and fails instead where `CONVOY_REQUIRE` names what is missing ([`Need`]).
+//! What a machine may lack (real maps, Python packages, npm, a browser) is asked for here, so that one rule
+//! holds everywhere: the test prints that it skips, and fails instead where `CONVOY_REQUIRE` names what is
+//! missing ([`Need`]).
 //!
 //! ```
 //! use opendrive::LaneType;

@@ -11,8 +11,8 @@ fn place() -> PathBuf {
     std::env::var_os("CONVOY_TEST_MAPS").map_or_else(beside, PathBuf::from)
 }
 
-/// The folder of real maps: `CONVOY_TEST_MAPS`, else `../shared/maps` beside the workspace. Where there is none, a note
-/// that the test is skipped, and `None`.
+/// The folder of real maps: `CONVOY_TEST_MAPS`, else `../shared/maps` beside the workspace. Where there is
+/// none, a note that the test is skipped, and `None`.
 ///
 /// # Panics
 /// There is none, and `CONVOY_REQUIRE` names `maps`.
@@ -27,8 +27,8 @@ pub fn maps_folder() -> Option<PathBuf> {
     None
 }
 
-/// Every `.xodr` and `.xodr.gz` of [`maps_folder`] and the folders in it, in order of their paths; none where there is
-/// no such folder.
+/// Every `.xodr` and `.xodr.gz` of [`maps_folder`] and the folders in it, in order of their paths; none where
+/// there is no such folder.
 ///
 /// # Panics
 /// As [`maps_folder`], or a folder is there and holds no map.

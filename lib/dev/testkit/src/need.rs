@@ -73,8 +73,8 @@ fn is_required(need: Need, list: &str) -> bool {
     words.contains(&need.word())
 }
 
-/// The Python interpreter (`CONVOY_PYTHON`, else `python3`) if it has the packages; else a note that the test is
-/// skipped and `None`.
+/// The Python interpreter (`CONVOY_PYTHON`, else `python3`) if it has the packages; else a note that the test
+/// is skipped and `None`.
 ///
 /// # Panics
 /// It has not, and `CONVOY_REQUIRE` names `python`.
@@ -92,8 +92,9 @@ pub fn python(packages: &[&str]) -> Option<String> {
     None
 }
 
-/// An interpreter with nuscenes-devkit (`CONVOY_DEVKIT`, else that of the folder that `make devkit` makes); else a note that
-/// the test is skipped and `None`. The package wants a numpy before 2, which other tests do not.
+/// An interpreter with nuscenes-devkit (`CONVOY_DEVKIT`, else that of the folder that `make devkit` makes);
+/// else a note that the test is skipped and `None`. The package wants a numpy before 2, which other tests do
+/// not.
 ///
 /// # Panics
 /// There is none, and `CONVOY_REQUIRE` names `devkit`.

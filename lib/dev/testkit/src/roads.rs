@@ -30,7 +30,8 @@ fn side(sign: i16, lanes: &[(LaneType, f64)]) -> Vec<Lane> {
     (1..).zip(lanes).map(|(i, (lane_type, width_m))| lane(sign * i, *lane_type, *width_m)).collect()
 }
 
-/// A straight road of one section at height 0: where its reference line starts and leads to, metres and radians.
+/// A straight road of one section at height 0: where its reference line starts and leads to, metres and
+/// radians.
 #[must_use]
 pub fn road(id: &str, start_m: [f64; 2], hdg_rad: f64, length_m: f64, section: LaneSection) -> Road {
     Road {
@@ -96,8 +97,9 @@ pub fn crossing(signals: bool) -> Map {
     Map::new(crossing_network(signals))
 }
 
-/// Four arms of 200 m, "0" to "3" from the east counter-clockwise, a driving lane each way; straight ways "10" to "13" through the middle
-/// of 20 m. With signals: a light "s0" to "s3" for each arm, and two controllers that take turns.
+/// Four arms of 200 m, "0" to "3" from the east counter-clockwise, a driving lane each way; straight ways
+/// "10" to "13" through the middle of 20 m. With signals: a light "s0" to "s3" for each arm, and two
+/// controllers that take turns.
 #[must_use]
 pub fn crossing_network(signals: bool) -> Network {
     let arms = [0.0, 0.5, 1.0, 1.5].map(|half_turns| half_turns * PI);

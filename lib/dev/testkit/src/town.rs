@@ -125,8 +125,8 @@ pub fn sheet(
     mesh
 }
 
-/// A crossing in a town: two roads with lines and sidewalks, houses, trees, traffic, people; about 110 000 triangles
-/// within 64 m. The ground rolls gently.
+/// A crossing in a town: two roads with lines and sidewalks, houses, trees, traffic, people; about 110 000
+/// triangles within 64 m. The ground rolls gently.
 #[must_use]
 pub fn small_town() -> Snapshot {
     let mut b = WorldBuilder::default();

@@ -1,7 +1,7 @@
 //! A stroke font for pictures without a font file.
 //!
-//! No `ab_glyph`: it is four crates and needs a font of some 700 kB, and those that come in a crate (DejaVu, Ubuntu) have
-//! licences of their own. Names of maps, numbers and the legend read well in capitals.
+//! No `ab_glyph`: it is four crates and needs a font of some 700 kB, and those that come in a crate (DejaVu,
+//! Ubuntu) have licences of their own. Names of maps, numbers and the legend read well in capitals.
 
 use crate::picture::{Anchor, Paint, Shape, Text};
 

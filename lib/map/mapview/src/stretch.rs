@@ -91,7 +91,8 @@ pub(crate) fn stretches(map: &Map, page: &Page) -> Vec<Stretch> {
         .collect()
 }
 
-/// Whether a lane of a connecting road is a shoulder of no road: pavement between the ways through a junction.
+/// Whether a lane of a connecting road is a shoulder of no road: pavement between the ways through a
+/// junction.
 fn is_mere_paving(road: &Road, lane: &LaneInfo) -> bool {
     let section = road.sections.get(usize::from(lane.id.section));
     let mut lanes = section.into_iter().flat_map(|section| section.left.iter().chain(&section.right));

@@ -41,8 +41,8 @@ fn add_shape(document: &mut Document, shape: &Shape) {
     }
 }
 
-/// One chain: its start absolute, then steps; points that fall together are left out. By hand, because the svg
-/// crate's path data puts separators where a minus sign separates already.
+/// One chain: its start absolute, then steps; points that fall together are left out. By hand, because the
+/// svg crate's path data puts separators where a minus sign separates already.
 fn write_chain(data: &mut String, chain: &[[f64; 2]], closed: bool) {
     let whole = |p: &[f64; 2]| p.map(|v| (v * UNITS).round().clamp(-1e7, 1e7) as i64);
     let mut points: Vec<[i64; 2]> = chain.iter().map(whole).collect();

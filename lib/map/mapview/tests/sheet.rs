@@ -159,8 +159,8 @@ fn small_scales_show_roads_as_lines_and_decks_above() {
     assert!(!svg.contains("Sidewalk"), "lanes are too fine for this scale");
 }
 
-/// A way through a junction, 20 m to the east, with a shoulder of 3 m that goes on from a road and one that is of no
-/// road.
+/// A way through a junction, 20 m to the east, with a shoulder of 3 m that goes on from a road and one that
+/// is of no road.
 fn way() -> Road {
     let mut own = road("2", [0.0, 0.0], 0.0, 20.0, 0.0);
     let shoulder = Lane { predecessors: vec![-2], ..lane(-2, LaneType::Shoulder, 3.0) };

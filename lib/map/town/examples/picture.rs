@@ -1,4 +1,5 @@
-//! Draws a named town from above: `cargo run --example picture -- convoy/demo town.png [metres a pixel] [x y half_m]`.
+//! Draws a named town from above:
+//! `cargo run --example picture -- convoy/demo town.png [metres a pixel] [x y half_m]`.
 //!
 //! A name that ends in `.xodr` is a map file to draw; a target that does is written as a map file instead.
 

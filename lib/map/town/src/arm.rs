@@ -121,7 +121,8 @@ pub(crate) fn pairs(arms: &[Arm]) -> Vec<(usize, Option<usize>)> {
         .collect()
 }
 
-/// The major street of a junction: see [`Control`](crate::layout::Control). Empty where nothing faces anything.
+/// The major street of a junction: see [`Control`](crate::layout::Control). Empty where nothing faces
+/// anything.
 pub(crate) fn major(arms: &[Arm]) -> Vec<usize> {
     let rank = |(a, b): &(usize, usize)| {
         let of =

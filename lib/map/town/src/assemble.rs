@@ -35,7 +35,8 @@ const CIRCLE_ISLAND_M: f64 = 3.0;
 /// Distance between the places that the bounds are taken from, metres.
 const BOUND_STEP_M: f64 = 5.0;
 
-/// How much of its relief the ground keeps each time streets are too steep, and how often it gets flatter at most.
+/// How much of its relief the ground keeps each time streets are too steep, and how often it gets flatter at
+/// most.
 const EASE: f64 = 0.85;
 const EASINGS: usize = 10;
 
@@ -83,8 +84,8 @@ pub(crate) fn assemble(layout: &Layout) -> Result<Network, TownError> {
     Ok(network)
 }
 
-/// Gives streets an island before their turning circles: long vehicles that come out of the circle swing out where
-/// others go in.
+/// Gives streets an island before their turning circles: long vehicles that come out of the circle swing out
+/// where others go in.
 fn with_islands(mut layout: Layout) -> Layout {
     let nodes = &layout.nodes;
     for edge in &mut layout.edges {

@@ -15,8 +15,9 @@ const FRICTION: f64 = 0.06;
 /// Ends of a road stay level this far, so that it meets its junctions level, metres.
 const LEVEL_M: f64 = 5.0;
 
-/// Roll about the reference line, radians, positive where the left side is higher: level in straights, towards the
-/// inside in curves, changing along the clothoids. What friction cannot hold of `v^2 / (g r)` is banked, up to 5 %.
+/// Roll about the reference line, radians, positive where the left side is higher: level in straights,
+/// towards the inside in curves, changing along the clothoids. What friction cannot hold of `v^2 / (g r)` is
+/// banked, up to 5 %.
 pub(crate) fn banking(path: &Path, shape: &CrossSection) -> Profile {
     if !shape.banked {
         return Profile::constant(0.0);

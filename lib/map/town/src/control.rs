@@ -165,8 +165,8 @@ pub(crate) fn equip(
     (controllers, all)
 }
 
-/// A traffic light or sign beside the entering traffic: right of it, or for a pocket on the median. It names no lane of
-/// its own road: the references on the connecting roads say what it controls.
+/// A traffic light or sign beside the entering traffic: right of it, or for a pocket on the median. It names
+/// no lane of its own road: the references on the connecting roads say what it controls.
 fn post(ids: &mut Ids, arm: &Arm, hold: Hold, pocket: bool) -> Signal {
     let [kerb, _] = arm.paved();
     let mut distance_m = POST_FROM_END_M;
@@ -238,9 +238,10 @@ fn stop_line(ids: &mut Ids, arm: &Arm, lanes: &[&EndStrip]) -> Option<Object> {
     })
 }
 
-/// Phases: for each pair of facing arms one for everything but the left pockets, then one for the left pockets of both;
-/// the same for each arm that is left. Turns to the left without a pocket are green together with the oncoming traffic
-/// and yield to it. Where the turns to the left of two arms would cut each other, they never are green together.
+/// Phases: for each pair of facing arms one for everything but the left pockets, then one for the left
+/// pockets of both; the same for each arm that is left. Turns to the left without a pocket are green together
+/// with the oncoming traffic and yield to it. Where the turns to the left of two arms would cut each other,
+/// they never are green together.
 fn controllers(
     ids: &mut Ids,
     arms: &[Arm],

@@ -14,9 +14,11 @@ use crate::terrain::Terrain;
 pub(crate) const CLEARANCE_M: f64 = 5.0;
 /// Distance between the places that are looked at, metres.
 const STEP_M: f64 = 4.0;
-/// A road this far over the ground is a bridge, which reaches to where it is nearer than the second figure, metres.
+/// A road this far over the ground is a bridge, which reaches to where it is nearer than the second figure,
+/// metres.
 const BRIDGE_M: [f64; 2] = [3.0, 1.0];
-/// A road this far under the ground is a tunnel, which reaches to where it is nearer than the second figure, metres.
+/// A road this far under the ground is a tunnel, which reaches to where it is nearer than the second figure,
+/// metres.
 const TUNNEL_M: [f64; 2] = [7.5, 6.0];
 /// Bridges and tunnels this near to one another are one, metres.
 const JOIN_M: f64 = 12.0;
@@ -109,7 +111,8 @@ fn line(road: &Road) -> Line {
     Line { points: (0..=count).map(at).collect(), reach_m: reach_m(road) }
 }
 
-/// From a road's reference line to its farther edge, metres, by the widths at the beginning and end of each section.
+/// From a road's reference line to its farther edge, metres, by the widths at the beginning and end of each
+/// section.
 pub(crate) fn reach_m(road: &Road) -> f64 {
     let mut most = 0.0f64;
     for (i, section) in road.sections.iter().enumerate() {

@@ -16,14 +16,16 @@ const STEP_M: f64 = 0.2;
 const WIDEST_M: f64 = 30.0;
 /// How often the last step is halved.
 const HALVINGS: u32 = 5;
-/// Narrower gaps are left; a strip whose gaps are all narrower than the second figure is not worth a lane, metres.
+/// Narrower gaps are left; a strip whose gaps are all narrower than the second figure is not worth a lane,
+/// metres.
 const LEAST_M: f64 = 0.01;
 const WORTH_M: f64 = 0.08;
 /// Pavement reaches this far under the lanes on the other side, metres.
 const UNDER_M: f64 = 0.25;
 /// Wider gaps between the directions of a seam are land, metres.
 const SLIT_M: f64 = 1.0;
-/// So many cross sections beyond the ends of a gap are paved, too: next to a tangent, gaps below the least one are long.
+/// So many cross sections beyond the ends of a gap are paved, too: next to a tangent, gaps below the least
+/// one are long.
 const BEYOND: usize = 2;
 /// A width is left out where a straight line between its neighbours tells as much, metres.
 const TOLERANCE_M: f64 = 0.08;
@@ -43,8 +45,9 @@ const RIGHT: Hand = -1.0;
 
 /// Adds beside connecting roads a paved strip where nothing else paves the ground up to the next road.
 ///
-/// `order`: roads in the order in which they get their turn, first with their left sides, then with their right ones.
-/// What has more than driving lanes on that side already gets nothing, and neither does ground outside the kerbs.
+/// `order`: roads in the order in which they get their turn, first with their left sides, then with their
+/// right ones. What has more than driving lanes on that side already gets nothing, and neither does ground
+/// outside the kerbs.
 pub(crate) fn fill(roads: &mut [Road], order: &[usize], arms: &[Arm]) {
     let mut strips: Vec<Strip> = roads.iter().map(Strip::new).collect();
     let streets: Vec<Street> = arms.iter().map(Street::new).collect();
@@ -73,8 +76,8 @@ pub(crate) fn fill(roads: &mut [Road], order: &[usize], arms: &[Arm]) {
     }
 }
 
-/// Widens what lies innermost on the left of roads at a seam where a slit stays open to the other direction: on a bend
-/// their halves of a median do not quite meet.
+/// Widens what lies innermost on the left of roads at a seam where a slit stays open to the other direction:
+/// on a bend their halves of a median do not quite meet.
 pub(crate) fn close(roads: &mut [Road], arms: &[Arm]) {
     let mut strips: Vec<Strip> = roads.iter().map(Strip::new).collect();
     let streets: Vec<Street> = arms.iter().map(Street::new).collect();
@@ -105,8 +108,8 @@ fn has_kerb(road: &Road) -> bool {
     outermost.is_some_and(|lane| lane.lane_type != LaneType::Driving)
 }
 
-/// How far the ground beside a road is open at each of its cross sections, metres: 0 where it is not, where nothing ends the
-/// gap, and where it lies outside the kerbs, which a turn may cut.
+/// How far the ground beside a road is open at each of its cross sections, metres: 0 where it is not, where
+/// nothing ends the gap, and where it lies outside the kerbs, which a turn may cut.
 fn gaps(strips: &[Strip], own: usize, hand: Hand, streets: &[Street], kerbs: &[usize]) -> Vec<f64> {
     // The road itself may lie on the other side, too: round a turning circle.
     let covered = |[x, y]: [f64; 2]| {
@@ -272,7 +275,8 @@ impl Strip {
                 let (a, b) = (ring[k], ring[(k + 1) % 4]);
                 (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])
             };
-            // Inside where every side has it on the same hand; beyond the centre of a turn that is the other one.
+            // Inside where every side has it on the same hand; beyond the centre of a turn that is the other
+            // one.
             (0..4).all(|k| hand(k) >= 0.0) || (0..4).all(|k| hand(k) <= 0.0)
         };
         self.borders.windows(2).zip(&self.parts).filter(|(_, part)| near(**part)).any(|(pair, _)| {

@@ -24,8 +24,9 @@ pub(crate) struct EndHeight {
     pub(crate) lift_m: f64,
 }
 
-/// The elevation of an edge between two ends: the ground's height plus the anchors' lift, even where it is asked to be,
-/// with everything smoothed that is steeper than its traffic can climb. Anchors keep their height.
+/// The elevation of an edge between two ends: the ground's height plus the anchors' lift, even where it is
+/// asked to be, with everything smoothed that is steeper than its traffic can climb. Anchors keep their
+/// height.
 pub(crate) fn elevation(
     edge: &Edge,
     path: &Path,
@@ -85,8 +86,8 @@ pub(crate) fn elevation(
             let near = steep[i.saturating_sub(reach)..(i + reach).min(steep.len())].contains(&true);
             if near && !stations[i].1 {
                 let (before, after) = (stations[i].0 - stations[i - 1].0, stations[i + 1].0 - stations[i].0);
-                // The chord between the neighbours, wherever the stations lie; beside an end, whose slope is given,
-                // a curve that leaves the end in that slope.
+                // The chord between the neighbours, wherever the stations lie; beside an end, whose slope is
+                // given, a curve that leaves the end in that slope.
                 let mut aim = old[i - 1] + before / (before + after) * (old[i + 1] - old[i - 1]);
                 if i == 1 && last > 2 {
                     aim = old[0] + before * (start.slope + 2.0 * (old[2] - old[1]) / after) / 3.0;

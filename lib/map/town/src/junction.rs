@@ -115,8 +115,8 @@ pub(crate) fn junction(ids: &mut Ids, plan: &Plan<'_>, movements: Vec<Movement>)
     built
 }
 
-/// What lies inside of the lanes, from them inwards: the side's own strips, then on one-way roads those beyond the
-/// reference line.
+/// What lies inside of the lanes, from them inwards: the side's own strips, then on one-way roads those
+/// beyond the reference line.
 fn inside<'a>(own: &'a [EndStrip], other: &'a [EndStrip]) -> Vec<&'a EndStrip> {
     let first = own.iter().position(|s| s.kind.runs()).unwrap_or(own.len());
     let mut strips: Vec<&EndStrip> = own[..first].iter().rev().collect();
@@ -140,7 +140,8 @@ fn paired<'a>(entry: &[&'a EndStrip], exit: &[&'a EndStrip]) -> Vec<Beside<'a>> 
     (0..5).map(|k| [of(entry, k), of(exit, k)]).filter(|pair| pair.iter().any(Option::is_some)).collect()
 }
 
-/// One connecting road. Its reference line is the inner (left) border of its first lane, and runs with the traffic.
+/// One connecting road. Its reference line is the inner (left) border of its first lane, and runs with the
+/// traffic.
 fn connecting_road(ids: &mut Ids, junction: &str, plan: &Plan<'_>, movement: &Movement) -> Road {
     let arms = plan.arms;
     let (from, to) = (&arms[movement.from], &arms[movement.to]);
@@ -291,8 +292,8 @@ fn path(plan: &Plan<'_>, movement: &Movement) -> Path {
     Path::between(start, end, &bend)
 }
 
-/// Largest radius of a turn to the left round a kerb: its arc stays off the kerb's, which has the stated radius.
-/// Infinite where there is no such kerb. `inner`: from the axes of both arms to the line, metres.
+/// Largest radius of a turn to the left round a kerb: its arc stays off the kerb's, which has the stated
+/// radius. Infinite where there is no such kerb. `inner`: from the axes of both arms to the line, metres.
 fn left_turn_m(plan: &Plan<'_>, movement: &Movement, inner: [f64; 2]) -> f64 {
     let (from, to) = (&plan.arms[movement.from], &plan.arms[movement.to]);
     let turn = from.turn_to(to);
@@ -300,16 +301,18 @@ fn left_turn_m(plan: &Plan<'_>, movement: &Movement, inner: [f64; 2]) -> f64 {
     if !around || movement.from == movement.to || turn < NEARLY_STRAIGHT_RAD {
         return f64::INFINITY;
     }
-    // Both arcs are nearest to each other in the middle of the corner. Where two lines at a distance g meet under the
-    // turn, an arc of radius R leaves g + (r - R) (1 - cos(turn / 2)) to a kerb of radius r there, times 1 / cos.
+    // Both arcs are nearest to each other in the middle of the corner. Where two lines at a distance g meet
+    // under the turn, an arc of radius R leaves g + (r - R) (1 - cos(turn / 2)) to a kerb of radius r there,
+    // times 1 / cos.
     let gap = (from.paved()[1] + inner[0]).min(to.paved()[0] + inner[1]);
     plan.kerb_radius_m + (gap - KERB_ROOM_M).max(0.0) / (1.0 - cos(0.5 * turn))
 }
 
-/// Half the angle that each neck of a turning circle swings out by, from the geometry of three circles that touch: the
-/// line turns right by the angle, left by half a turn and twice the angle, and right again.
+/// Half the angle that each neck of a turning circle swings out by, from the geometry of three circles that
+/// touch: the line turns right by the angle, left by half a turn and twice the angle, and right again.
 ///
-/// `line_m`: distance of the line from the axis; `circle_m`, `neck_m`: radii of the line in the circle and the necks.
+/// `line_m`: distance of the line from the axis; `circle_m`, `neck_m`: radii of the line in the circle and
+/// the necks.
 pub(crate) fn neck_angle(line_m: f64, circle_m: f64, neck_m: f64) -> f64 {
     acos(((neck_m + line_m) / (circle_m + neck_m)).clamp(-1.0, 1.0))
 }
@@ -348,7 +351,8 @@ fn crosswalk(ids: &mut Ids, built: &mut Built, index: usize, arm: &Arm) {
     let [entering, leaving] = arm.paved();
     let Some(place) = built.movements.iter().position(|m| m.from == index || m.to == index) else { return };
     let (movement, road) = (&built.movements[place], &mut built.roads[place]);
-    // Lateral middle of the carriageway from the street's reference line, to the left of the travel direction.
+    // Lateral middle of the carriageway from the street's reference line, to the left of the travel
+    // direction.
     let (s, middle, inner) = if movement.from == index {
         let inner = inner_m(&arm.lanes.entering, movement.from_lane);
         (CROSSWALK_AT_M, 0.5 * (leaving - entering), inner)

@@ -1,9 +1,10 @@
 //! What a style hands to the builder: nodes, edges and the ground under them.
 //!
-//! A layout says where things are and what they are; everything else follows. [`build`](crate::assemble::build) works out
-//! where streets must end before their junctions, rounds their bends, lays them over the ground, gives them lanes and
-//! markings, joins the lanes inside junctions, puts up signals and signs, and writes bridges and tunnels where a road
-//! leaves the ground. What cannot be built is an error that names the street.
+//! A layout says where things are and what they are; everything else follows.
+//! [`build`](crate::assemble::build) works out where streets must end before their junctions, rounds their
+//! bends, lays them over the ground, gives them lanes and markings, joins the lanes inside junctions, puts up
+//! signals and signs, and writes bridges and tunnels where a road leaves the ground. What cannot be built is
+//! an error that names the street.
 //!
 //! # A small example
 //!
@@ -37,9 +38,10 @@
 //! | railway across a street | [`NodeKind::RailCrossing`] |
 //! | roads over one another | no node: lift one of them with [`Edge::lifted`]; the builder checks the clearance |
 //!
-//! Motorways: main carriageway into a seam with a right pocket (the deceleration lane), main carriageway out of it, and
-//! the ramp attached with [`Edge::leaves_by_ramp`]; entries likewise with [`Edge::enters_by_ramp`], where the road
-//! behind the seam has one lane more (the acceleration lane), which ends at a later seam.
+//! Motorways: main carriageway into a seam with a right pocket (the deceleration lane), main carriageway out
+//! of it, and the ramp attached with [`Edge::leaves_by_ramp`]; entries likewise with
+//! [`Edge::enters_by_ramp`], where the road behind the seam has one lane more (the acceleration lane), which
+//! ends at a later seam.
 
 use opendrive::ContactPoint;
 
@@ -51,8 +53,8 @@ pub(crate) use crate::water::Water;
 /// Names a node of a layout.
 pub(crate) type NodeId = usize;
 
-/// Who gives way to whom at a crossing. The major street is the pair of arms that face each other with the higher
-/// speed limit, then with more lanes, then the one that was laid first.
+/// Who gives way to whom at a crossing. The major street is the pair of arms that face each other with the
+/// higher speed limit, then with more lanes, then the one that was laid first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Control {
     /// Traffic lights on every arm.
@@ -72,18 +74,21 @@ pub(crate) enum NodeKind {
     Crossing(Control),
     /// A one-way ring, counter-clockwise; who enters yields.
     Roundabout {
-        /// Radius of the central island up to the circulating lanes, metres; larger where the streets need it.
+        /// Radius of the central island up to the circulating lanes, metres; larger where the streets need
+        /// it.
         island_m: f64,
         /// Circulating lanes (1 or 2).
         lanes: u8,
     },
-    /// Roads in line: lanes go on where they lie; where there are more of them on one side, those without a partner end
-    /// in (or begin from) their neighbour. Slopes go through. Two arms of the same lanes are joined without a junction.
+    /// Roads in line: lanes go on where they lie; where there are more of them on one side, those without a
+    /// partner end in (or begin from) their neighbour. Slopes go through. Two arms of the same lanes are
+    /// joined without a junction.
     Seam {
         /// Metres on which widths change and lanes end, ramps fork off or join.
         length_m: f64,
     },
-    /// A road with a wide median goes straight on, and the left pockets before it lead back on the other side.
+    /// A road with a wide median goes straight on, and the left pockets before it lead back on the other
+    /// side.
     Crossover,
     /// A street ends in a turning circle.
     DeadEnd {
@@ -155,9 +160,9 @@ impl Node {
 pub(crate) enum Role {
     /// As its heading says.
     Arm,
-    /// At a seam: a one-way ramp beside the main road, on the right of the traffic that runs along the seam's axis
-    /// (`forward`), or of the opposite traffic. The axis is the heading of the seam's first arm that is no ramp, looked
-    /// at along that road's s.
+    /// At a seam: a one-way ramp beside the main road, on the right of the traffic that runs along the seam's
+    /// axis (`forward`), or of the opposite traffic. The axis is the heading of the seam's first arm that is
+    /// no ramp, looked at along that road's s.
     Ramp { forward: bool },
     /// Exactly here, facing away from the node.
     Fixed(Pose2),
@@ -270,8 +275,8 @@ impl Edge {
         self
     }
 
-    /// Between the places nearest to two points it runs evenly from one height to the other: through a hill in a tunnel,
-    /// over a valley on a bridge.
+    /// Between the places nearest to two points it runs evenly from one height to the other: through a hill
+    /// in a tunnel, over a valley on a bridge.
     pub(crate) fn evenly(mut self, from_m: [f64; 2], to_m: [f64; 2]) -> Self {
         self.even.push([from_m, to_m]);
         self

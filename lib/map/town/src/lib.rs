@@ -1,9 +1,9 @@
 //! Generated road networks, written as OpenDRIVE.
 //!
 //! [`generate`] turns [`TownParameters`] into an [`opendrive::Network`]: the same parameters give the same bytes. A
-//! style (`layouts/`) states nodes, edges and the ground under them ([`layout`] has a worked example); every style
-//! shares the builder: streets with their lanes, heights and bends, junctions of all kinds, signals and signs, bridges
-//! and tunnels.
+//! style (`layouts/`) states nodes, edges and the ground under them ([`layout`] has a worked example); every
+//! style shares the builder: streets with their lanes, heights and bends, junctions of all kinds, signals and
+//! signs, bridges and tunnels.
 //!
 //! ```
 //! let parameters = town::named("convoy/demo").unwrap_or_default();

@@ -1,4 +1,5 @@
-//! Speed limit signs: where traffic leaves a junction for a road with another limit than the one it came from.
+//! Speed limit signs: where traffic leaves a junction for a road with another limit than the one it came
+//! from.
 
 use opendrive::{ContactPoint, LaneValidity, Orientation, Road, Signal, SpeedUnit};
 

@@ -22,7 +22,8 @@ pub(crate) fn line(mark_type: MarkType, colour: MarkColour) -> RoadMark {
     }
 }
 
-/// A broken line that must not be crossed to change lanes: between opposite directions it means overtaking only.
+/// A broken line that must not be crossed to change lanes: between opposite directions it means overtaking
+/// only.
 pub(crate) fn overtaking_line() -> RoadMark {
     RoadMark { lane_change: Some(MarkChange::None), ..line(MarkType::Broken, MarkColour::Yellow) }
 }

@@ -18,8 +18,8 @@ pub(crate) struct Movement {
     pub(crate) to_lane: u8,
     /// Number of driving lanes; 0 for a mere corner of gutter and sidewalk.
     pub(crate) lanes: u8,
-    /// Whether it carries what lies beyond the lanes of the entering and of the leaving side; what only one of them
-    /// has runs out on the way.
+    /// Whether it carries what lies beyond the lanes of the entering and of the leaving side; what only one
+    /// of them has runs out on the way.
     pub(crate) outer: [bool; 2],
     /// The same for what lies inside of the lanes.
     pub(crate) inner: [bool; 2],
@@ -31,9 +31,10 @@ pub(crate) struct Movement {
 
 /// All movements of a crossing, by entering arm.
 ///
-/// Pockets serve their turns alone. Other lanes: straight on from every lane that has a partner; turns to the left leave
-/// the innermost lane and turns to the right the outermost one; where nothing goes straight on, they share the lanes
-/// out. Lanes of one arm never cross one another: from the inside out they lead to arms further and further right.
+/// Pockets serve their turns alone. Other lanes: straight on from every lane that has a partner; turns to the
+/// left leave the innermost lane and turns to the right the outermost one; where nothing goes straight on,
+/// they share the lanes out. Lanes of one arm never cross one another: from the inside out they lead to arms
+/// further and further right.
 ///
 /// Without `lefts` nothing turns to the left but what has no other way.
 pub(crate) fn crossing(arms: &[Arm], lefts: bool) -> Vec<Movement> {
@@ -92,7 +93,8 @@ fn of_arm(arms: &[Arm], from: usize, lefts: bool, all: &mut Vec<Movement>) {
     corner(arms, from, first, all);
 }
 
-/// Lanes that lead from one arm to another, the first of them to `to_lane`; lanes too many share the outermost one.
+/// Lanes that lead from one arm to another, the first of them to `to_lane`; lanes too many share the
+/// outermost one.
 fn join(arms: &[Arm], [from, to]: [usize; 2], lanes: Range<u8>, to_lane: u8, all: &mut Vec<Movement>) {
     let leaving = arms[to].leaving();
     let common = (lanes.len() as u8).min(leaving.saturating_sub(to_lane));
@@ -106,7 +108,8 @@ fn join(arms: &[Arm], [from, to]: [usize; 2], lanes: Range<u8>, to_lane: u8, all
     }
 }
 
-/// Lanes for turns to the left, for what goes straight on (with so many leaving lanes), and for turns to the right.
+/// Lanes for turns to the left, for what goes straight on (with so many leaving lanes), and for turns to the
+/// right.
 fn shares(arm: &Arm, left: bool, straight: Option<u8>, right: bool) -> [Range<u8>; 3] {
     let turns = arm.entering();
     let all = turns.len() as u8;
@@ -216,9 +219,11 @@ mod tests {
         let arms = [arm(0.0, 2), arm(0.5 * PI, 1), arm(PI, 2), arm(-0.5 * PI, 1)];
         let found = rows(&arms);
         assert_eq!(found.len(), 12);
-        // From the east: right to the north from the outer lane, straight on with both, left to the south from the inner one.
+        // From the east: right to the north from the outer lane, straight on with both, left to the south
+        // from the inner one.
         assert_eq!(found[..3], [[0, 1, 1, 0, 1, 1], [0, 2, 0, 0, 2, 0], [0, 3, 0, 0, 1, 0]]);
-        // From the north: left to the east into its inner lane, right to the west into its outer lane, straight on.
+        // From the north: left to the east into its inner lane, right to the west into its outer lane,
+        // straight on.
         assert_eq!(found[3..6], [[1, 0, 0, 0, 1, 0], [1, 2, 0, 1, 1, 1], [1, 3, 0, 0, 1, 0]]);
     }
 

@@ -20,14 +20,15 @@ const LEFT_RAD: std::ops::RangeInclusive<f64> = 0.4..=2.4;
 const LEFT_TURN_M: f64 = 5.5;
 /// Room of a kerb's fillet beyond the sidewalk's inner edge, metres.
 const SIDEWALK_ROOM_M: f64 = 1.0;
-/// From the outermost rail or lane to where the other road's junction part begins at a level crossing, metres.
+/// From the outermost rail or lane to where the other road's junction part begins at a level crossing,
+/// metres.
 const RAIL_GAP_M: f64 = 3.0;
 
 /// What is known of a node before its streets are built.
 #[derive(Clone, Debug)]
 pub(crate) struct NodePlan {
-    /// Its arms, in the order of the edges (parts of roundabouts: the ring first). Road ids, lengths and heights come
-    /// later.
+    /// Its arms, in the order of the edges (parts of roundabouts: the ring first). Road ids, lengths and
+    /// heights come later.
     pub(crate) arms: Vec<Arm>,
     /// What holds back the traffic of each arm.
     pub(crate) holds: Vec<Hold>,
@@ -196,15 +197,17 @@ fn keep_what_is_given(layout: &Layout, arms: &mut [Arm]) {
     }
 }
 
-/// How far to the left of an arm's axis (seen outwards) its reference line lies at a crossing, metres: a one-way street
-/// lies with the middle of its carriageway on the axis, lest its kerbs be too near to one corner.
+/// How far to the left of an arm's axis (seen outwards) its reference line lies at a crossing, metres: a
+/// one-way street lies with the middle of its carriageway on the axis, lest its kerbs be too near to one
+/// corner.
 fn aside_m(arm: &Arm) -> f64 {
     let [left, right] = arm.paved();
     if arm.shape.is_one_way() { 0.5 * (right - left) } else { 0.0 }
 }
 
-/// Moves the ends of streets out until every turn to the left can have the least radius: on oblique arms the lanes may
-/// meet before the kerbs do. `distances_m`: from the junction's centre to each arm's end, grown where needed.
+/// Moves the ends of streets out until every turn to the left can have the least radius: on oblique arms the
+/// lanes may meet before the kerbs do. `distances_m`: from the junction's centre to each arm's end, grown
+/// where needed.
 fn leave_room_for_left_turns(arms: &[Arm], distances_m: &mut [f64]) {
     for (i, from) in arms.iter().enumerate().filter(|(_, arm)| !arm.entering().is_empty()) {
         for (j, to) in arms.iter().enumerate().filter(|(_, arm)| arm.leaving() > 0) {
@@ -212,7 +215,8 @@ fn leave_room_for_left_turns(arms: &[Arm], distances_m: &mut [f64]) {
             if i == j || from.is_rail() || to.is_rail() || !LEFT_RAD.contains(&turn) {
                 continue;
             }
-            // The same as for the kerbs: two lines parallel to the axes, left of the one and right of the other arm.
+            // The same as for the kerbs: two lines parallel to the axes, left of the one and right of the
+            // other arm.
             let (left, right) = (
                 inner_m(&from.lanes.entering, 0) + aside_m(from),
                 inner_m(&to.lanes.leaving, 0) - aside_m(to),
@@ -232,9 +236,9 @@ fn move_out(plan: &mut NodePlan, distances_m: &[f64]) {
     }
 }
 
-/// How far from a junction's centre each arm's street must end, metres, so that the kerbs of neighbouring arms meet
-/// in a fillet of the given radius. `arms`: outward heading in radians, kerb distance on its left (entering) and
-/// right (leaving) side seen outwards, and straight lead, metres.
+/// How far from a junction's centre each arm's street must end, metres, so that the kerbs of neighbouring
+/// arms meet in a fillet of the given radius. `arms`: outward heading in radians, kerb distance on its left
+/// (entering) and right (leaving) side seen outwards, and straight lead, metres.
 pub(crate) fn setbacks(arms: &[(f64, [f64; 2], f64)], kerb_radius_m: f64) -> Vec<f64> {
     let mut needs = vec![0.0f64; arms.len()];
     for (a, (heading, [left, _], _)) in arms.iter().enumerate() {
@@ -261,8 +265,8 @@ fn leads_along(arm: &Arm, axis: Pose2) -> bool {
     cos(wrap_pi(arm.outward.heading_rad - axis.heading_rad)) > 0.0
 }
 
-/// The heading of a seam: that of its first arm that is no ramp, along its road's s; halfway to that of the second one
-/// where these two are all there is.
+/// The heading of a seam: that of its first arm that is no ramp, along its road's s; halfway to that of the
+/// second one where these two are all there is.
 fn seam_axis(arms: &[&Arm]) -> f64 {
     let Some(first) = arms.first() else { return 0.0 };
     let along = match first.contact {
@@ -307,7 +311,8 @@ fn seam(layout: &Layout, plan: &mut NodePlan, length_m: f64) -> Result<(), TownE
         match (ramp, two_way) {
             (Some(forward), _) => ramp_end(arm, &mains, if forward { axis } else { axis.turned(PI) }, half),
             (None, Some(model)) if arm.shape.is_one_way() => {
-                // Its entering traffic comes along the same side of the axis as the other road's leaving traffic.
+                // Its entering traffic comes along the same side of the axis as the other road's leaving
+                // traffic.
                 if arm.entering().is_empty() {
                     out.moved(half, inner_m(&arm.lanes.leaving, 0) - inner_m(&model.lanes.entering, 0))
                 } else {

@@ -114,8 +114,8 @@ impl Path {
         path
     }
 
-    /// A smooth path between two poses: line, (clothoid,) arc(, clothoid), line where the two tangents meet between
-    /// them; else two arcs that meet halfway, as for a change of lane.
+    /// A smooth path between two poses: line, (clothoid,) arc(, clothoid), line where the two tangents meet
+    /// between them; else two arcs that meet halfway, as for a change of lane.
     pub(crate) fn between(from: Pose2, to: Pose2, bend: &Bend) -> Self {
         let mut path = Self::from_pose(from);
         let (ahead, left) = from.locate(to);
@@ -146,8 +146,9 @@ impl Path {
         path
     }
 
-    /// A path from one pose to another round the corners between them. The first leg leads along `from`'s heading and
-    /// the last one along `to`'s; where a corner has no room for its radius it gets what there is.
+    /// A path from one pose to another round the corners between them. The first leg leads along `from`'s
+    /// heading and the last one along `to`'s; where a corner has no room for its radius it gets what there
+    /// is.
     pub(crate) fn through(from: Pose2, vias: &[Via], to: Pose2) -> Self {
         let mut points = vec![[from.x_m, from.y_m]];
         points.extend(vias.iter().map(|v| v.at_m));
@@ -359,8 +360,8 @@ impl Fillet {
     }
 }
 
-/// End of a clothoid that begins straight along x and has turned left by `angle_rad` after `length_m`: the Fresnel
-/// integrals as power series of the angle (Abramowitz and Stegun 7.3.11 and 7.3.13, in the angle).
+/// End of a clothoid that begins straight along x and has turned left by `angle_rad` after `length_m`: the
+/// Fresnel integrals as power series of the angle (Abramowitz and Stegun 7.3.11 and 7.3.13, in the angle).
 fn clothoid_end(length_m: f64, angle_rad: f64) -> (f64, f64) {
     let (mut x, mut y) = (0.0, 0.0);
     // Term n is (-1)^(n / 2) angle^n / (n! (2 n + 1)), even ones in x and odd ones in y; angles stay below 2.

@@ -15,8 +15,8 @@ impl Profile {
         Self(vec![Cubic::constant(value)])
     }
 
-    /// Smooth steps from knot to knot `(s, value)`, level at every knot and constant before the first and after the
-    /// last. Knots ascend by s.
+    /// Smooth steps from knot to knot `(s, value)`, level at every knot and constant before the first and
+    /// after the last. Knots ascend by s.
     pub(crate) fn steps(knots: &[(f64, f64)]) -> Self {
         let Some(first) = knots.first() else { return Self::constant(0.0) };
         let mut pieces: Vec<Cubic> = Vec::new();

@@ -129,8 +129,9 @@ fn ring(
     Ok(())
 }
 
-/// The streets of a roundabout, with splitter islands where they need them, and the width of the ring's sidewalk, metres;
-/// none where one of them does not fit. `[island_m, lane_m]`: radius of the island, width of a lane round it.
+/// The streets of a roundabout, with splitter islands where they need them, and the width of the ring's
+/// sidewalk, metres; none where one of them does not fit. `[island_m, lane_m]`: radius of the island, width
+/// of a lane round it.
 fn streets(
     layout: &Layout,
     out: &mut Layout,
@@ -186,13 +187,13 @@ struct Corner {
     paved_m: f64,
 }
 
-/// Half the angle of a street's junction on the ring, and how far from the centre the street's straight part may begin:
-/// the smallest angle at which entry and exit turn round the kerb with room for the sidewalk. `sides`: entering and
-/// leaving.
+/// Half the angle of a street's junction on the ring, and how far from the centre the street's straight part
+/// may begin: the smallest angle at which entry and exit turn round the kerb with room for the sidewalk.
+/// `sides`: entering and leaving.
 ///
-/// In the street's frame (x outwards, y to the entering side) the entry comes in along y = e and meets the tangent of
-/// the ring at angle a, x = (r - e sin a) / cos a; from there it is u = (r sin a - e) / cos a along the ring's tangent to
-/// the ring, and the turn is a quarter less a.
+/// In the street's frame (x outwards, y to the entering side) the entry comes in along y = e and meets the
+/// tangent of the ring at angle a, x = (r - e sin a) / cos a; from there it is u = (r sin a - e) / cos a
+/// along the ring's tangent to the ring, and the turn is a quarter less a.
 fn fit(sides: [Corner; 2], beyond_m: f64) -> Option<(f64, f64)> {
     let least = sides.iter().map(|side| (side.inner_m + 2.5) / side.ring_m).fold(0.0, f64::max);
     if least >= 1.0 {

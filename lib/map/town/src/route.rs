@@ -10,8 +10,8 @@ use crate::path::{Bend, Path, Pose2, STRAIGHT_M, Via};
 
 /// Least length of a street between two junctions, metres.
 const SHORTEST_M: f64 = 8.0;
-/// A street that leaves its node askew of its next corner bends at this share of the way to it, but at most so far
-/// from the node, metres.
+/// A street that leaves its node askew of its next corner bends at this share of the way to it, but at most
+/// so far from the node, metres.
 const LEAD: (f64, f64) = (0.4, 60.0);
 /// Directions nearer than this are the same, radians.
 const SAME_RAD: f64 = 1e-9;

@@ -149,8 +149,8 @@ pub(crate) fn crossover(arms: &[Arm], axis: Pose2, least_diameter_m: f64) -> Vec
     all
 }
 
-/// The movements of a part of a roundabout: the ring comes in by arm 0 and goes on by arm 1; a street, if there is one,
-/// is arm 2.
+/// The movements of a part of a roundabout: the ring comes in by arm 0 and goes on by arm 1; a street, if
+/// there is one, is arm 2.
 pub(crate) fn ring(arms: &[Arm]) -> Vec<Movement> {
     let on_ring = arms[0].entering().len() as u8;
     let mut all = vec![Movement {
@@ -162,7 +162,8 @@ pub(crate) fn ring(arms: &[Arm]) -> Vec<Movement> {
     }];
     let Some(street) = arms.get(2) else { return all };
     let (entering, leaving) = (street.entering().len() as u8, street.leaving());
-    // Out of the ring by its outermost lane, into whatever lane the street has; the outermost one has the kerb.
+    // Out of the ring by its outermost lane, into whatever lane the street has; the outermost one has the
+    // kerb.
     for to_lane in 0..leaving {
         let outer = [to_lane + 1 == leaving; 2];
         let from_lane = on_ring - 1;

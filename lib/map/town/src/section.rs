@@ -58,8 +58,8 @@ impl Use {
     }
 }
 
-/// One side of a street, from the median outwards: driving lanes (or tracks), bike lane, gutter or shoulder (or a
-/// parking lane in its place), kerb, verge, sidewalk. Widths in metres; 0 leaves a strip out.
+/// One side of a street, from the median outwards: driving lanes (or tracks), bike lane, gutter or shoulder
+/// (or a parking lane in its place), kerb, verge, sidewalk. Widths in metres; 0 leaves a strip out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Side {
     /// Driving lanes; all travel in this side's direction.

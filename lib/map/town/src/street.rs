@@ -224,7 +224,8 @@ fn divider(right: bool, length: f64, ahead_m: f64) -> Vec<MarkFrom> {
     }
 }
 
-/// Parking spaces, as objects, where a parking lane has its full width and runs parallel to the reference line.
+/// Parking spaces, as objects, where a parking lane has its full width and runs parallel to the reference
+/// line.
 fn parking_spaces(ids: &mut Ids, road: &mut Road, strips: &Strips) {
     for right in [false, true] {
         let side = if right { &strips.right } else { &strips.left };

@@ -14,7 +14,8 @@ pub(crate) const PARKING_TAPER_M: f64 = 6.0;
 const MEDIAN_TAPER_M: f64 = 15.0;
 /// Stretch at the junction on which a splitter island keeps its width, metres.
 const SPLITTER_M: f64 = 8.0;
-/// Least length of a stretch with medians or parking lanes, metres; shorter streets keep the junction's lanes.
+/// Least length of a stretch with medians or parking lanes, metres; shorter streets keep the junction's
+/// lanes.
 const MIDDLE_MIN_M: f64 = 20.0;
 /// Pockets may shrink to this share of their wished length where a street is short.
 const LEAST_SHARE: f64 = 0.4;
@@ -49,8 +50,8 @@ pub(crate) struct Strips {
     pub(crate) offset: Profile,
 }
 
-/// The stretch at an end of a road on which it changes, as distances from that end, metres: level up to `full`, changed
-/// back at `free`.
+/// The stretch at an end of a road on which it changes, as distances from that end, metres: level up to
+/// `full`, changed back at `free`.
 #[derive(Clone, Copy, Debug)]
 struct Zone {
     full: f64,
@@ -108,7 +109,8 @@ impl Strips {
 
         let build = Builder { shape: &shape, endings, zones, length_m };
         let (left, right) = (build.side(false), build.side(true));
-        // The centre lies in the middle between the innermost ordinary lanes; on one-way roads these stay in place.
+        // The centre lies in the middle between the innermost ordinary lanes; on one-way roads these stay in
+        // place.
         let inner = |side: &[Strip]| {
             let is_inner = |s: &&Strip| {
                 matches!(s.spans.first(), Some((_, _, Use::Median { .. } | Use::Lane(Turn::Left))))

@@ -1,4 +1,5 @@
-//! Rivers and lakes. OpenDRIVE has no word for them: they become flat objects of no type, named for what they are.
+//! Rivers and lakes. OpenDRIVE has no word for them: they become flat objects of no type, named for what they
+//! are.
 
 use opendrive::{Corner, Network, Object, Orientation, Outline};
 

@@ -9,7 +9,8 @@ use crate::ids::Ids;
 use crate::section::{EndStrip, Use};
 use crate::strips::Strips;
 
-/// Length of a word along its lane, metres, and its middle before the end of its street: 1.6 m before the stop line, behind arrows.
+/// Length of a word along its lane, metres, and its middle before the end of its street: 1.6 m before the
+/// stop line, behind arrows.
 const WORD_M: f64 = 2.8;
 const MIDDLE_M: f64 = 3.6;
 /// Streets shorter than this have none, metres.

@@ -22,7 +22,8 @@ pub struct MadeBy {
     pub convoy: String,
     /// Version of the store's format.
     pub format: u32,
-    /// Code versions of each stage, by its name in running order: more than one where scenes are older than others.
+    /// Code versions of each stage, by its name in running order: more than one where scenes are older than
+    /// others.
     pub stages: Vec<(String, BTreeSet<String>)>,
 }
 

@@ -34,8 +34,8 @@ impl GroupTotals {
         totals.merge(counts);
     }
 
-    /// What readers can choose: each split, then each map, then each map of a split. What has no scenes, all of them, or the same
-    /// ones as an earlier choice is left out. Each is computed when it is asked for.
+    /// What readers can choose: each split, then each map, then each map of a split. What has no scenes, all
+    /// of them, or the same ones as an earlier choice is left out. Each is computed when it is asked for.
     pub fn groups<'a>(&'a self, facts: &'a DatasetFacts) -> impl Iterator<Item = Group> + 'a {
         let splits: BTreeSet<&str> = self.parts.keys().map(|(split, _)| split.as_str()).collect();
         let maps: BTreeSet<&str> = self.parts.keys().map(|(_, map)| map.as_str()).collect();

@@ -13,12 +13,13 @@ const FILE_ROWS: usize = 400;
 const STYLE: &str = include_str!("page/style.css");
 const SCRIPT: &str = include_str!("page/script.js");
 
-/// Written out because maud leaves elements without content open, as XML may not. An icon of nothing keeps browsers from asking
-/// servers for one.
+/// Written out because maud leaves elements without content open, as XML may not. An icon of nothing keeps
+/// browsers from asking servers for one.
 const META: &str = "<meta charset=\"utf-8\"/>\n\
     <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<link rel=\"icon\" href=\"data:,\"/>\n";
 
-/// A self-contained page (well-formed as XML, too): nothing of it is loaded from elsewhere but pictures beside it.
+/// A self-contained page (well-formed as XML, too): nothing of it is loaded from elsewhere but pictures
+/// beside it.
 pub(crate) fn page(title: &str, body: &Markup) -> String {
     // Scripts are text to browsers and markup to readers of XML: both pass over the other's comments.
     let script = format!("<script>/*<![CDATA[*/\n{SCRIPT}/*]]>*/</script>\n");

@@ -11,8 +11,8 @@ use crate::text::grouped;
 /// File of the page beside the published dataset, in the report's folder.
 pub const PUBLISHED_PAGE: &str = "published.html";
 
-/// So many bytes at most does the report have for what is shown of parts of the scenes: some ten of them. Where there are more,
-/// filters leave figures and sums as they are, and the page says so.
+/// So many bytes at most does the report have for what is shown of parts of the scenes: some ten of them.
+/// Where there are more, filters leave figures and sums as they are, and the page says so.
 const GROUPS_BYTES: usize = 6_000_000;
 
 /// A scene as the report shows it.
@@ -30,9 +30,10 @@ pub struct SceneCard {
     pub picture: Option<String>,
 }
 
-/// The report: one page (well-formed as XML too) without anything to load but its small pictures of scenes. A small script
-/// sorts its tables and filters its scenes; without it the page is whole. Tables and figures without data are left out. Where a
-/// filter leaves the scenes of a group, the page shows that one's tables and figures.
+/// The report: one page (well-formed as XML too) without anything to load but its small pictures of scenes. A
+/// small script sorts its tables and filters its scenes; without it the page is whole. Tables and figures
+/// without data are left out. Where a filter leaves the scenes of a group, the page shows that one's tables
+/// and figures.
 #[must_use]
 pub fn report_html(
     tables: &Tables,
@@ -83,8 +84,8 @@ fn sections_html(tables: &Tables, figures: &[Figure]) -> Vec<(Section, Markup)> 
     parts.filter(|(_, part)| !part.0.is_empty()).collect()
 }
 
-/// What is shown instead of the whole where a filter leaves just the scenes of a group; of the first groups, as many as there is
-/// room for.
+/// What is shown instead of the whole where a filter leaves just the scenes of a group; of the first groups,
+/// as many as there is room for.
 fn templates(groups: impl IntoIterator<Item = Group>) -> Vec<Markup> {
     let mut room = GROUPS_BYTES;
     let made = groups.into_iter().map(|group| {
@@ -144,7 +145,8 @@ fn has_section(section: Section, tables: &Tables) -> bool {
     tables.tables.iter().any(|table| table.section == section && !table.is_empty())
 }
 
-/// Every scene with its picture, to be filtered by split and map; each leads to the viewer where that serves the page.
+/// Every scene with its picture, to be filtered by split and map; each leads to the viewer where that serves
+/// the page.
 fn scene_cards(cards: &[SceneCard]) -> Markup {
     let values = |of: fn(&SceneCard) -> &str| {
         let mut values: Vec<&str> = cards.iter().map(of).collect();
@@ -182,8 +184,8 @@ fn scene_cards(cards: &[SceneCard]) -> Markup {
     }
 }
 
-/// Written out because maud leaves elements without content open, as XML may not. Paths are of our own making: digits and
-/// letters.
+/// Written out because maud leaves elements without content open, as XML may not. Paths are of our own
+/// making: digits and letters.
 fn image(path: &str, scene: u32) -> String {
     format!("<img src=\"{path}\" alt=\"scene {scene}\" loading=\"lazy\"/>")
 }

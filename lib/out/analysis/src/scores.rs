@@ -37,8 +37,8 @@ pub struct ScorePart {
     pub worst: Vec<Moment>,
 }
 
-/// The page of an evaluation: self-contained like the report. Its frames lead to the viewer where that serves the page, from a file in
-/// the store's folder.
+/// The page of an evaluation: self-contained like the report. Its frames lead to the viewer where that serves
+/// the page, from a file in the store's folder.
 #[must_use]
 pub fn scores_html(name: &str, about: &str, parts: &[ScorePart]) -> String {
     let body = html! {

@@ -1,7 +1,7 @@
 //! Numbers and names as text for people.
 
-/// Thousands separated by commas: `27,337,066`, and `1,234.50`. Ours, because cells come with their decimals fixed:
-/// indicatif's and num-format's counts are of whole numbers, or with as many decimals as they like.
+/// Thousands separated by commas: `27,337,066`, and `1,234.50`. Ours, because cells come with their decimals
+/// fixed: indicatif's and num-format's counts are of whole numbers, or with as many decimals as they like.
 pub(crate) fn grouped(number: &str) -> String {
     let (sign, rest) = number.strip_prefix('-').map_or(("", number), |rest| ("-", rest));
     let (whole, fraction) = rest.split_once('.').map_or((rest, ""), |(whole, fraction)| (whole, fraction));

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{Parser, ValueEnum};
 use runner::SceneList;
 
-/// Scores predicted boxes and BEV masks against a finished store by SimBEV2X's, nuScenes' and OPV2V's metrics.
+/// Scores predicted boxes and BEV masks against a finished store by SimBEV2X's, nuScenes' and OPV2V's
+/// metrics.
 #[derive(Debug, Parser)]
 #[command(
     name = "evaluate",
@@ -53,7 +54,8 @@ pub struct Evaluate {
     /// A file for all numbers, one a row: .parquet or .json.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// A file for a page with curves, what was found at which distance, and the worst frames: .html, best in the store's folder.
+    /// A file for a page with curves, what was found at which distance, and the worst frames: .html, best in
+    /// the store's folder.
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
     /// Worker threads (default: all cores). The numbers do not depend on it.

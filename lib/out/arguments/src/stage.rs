@@ -33,7 +33,8 @@ pub struct StageArgs {
     /// Redo scenes that are done; what was made from them becomes stale.
     #[arg(long)]
     force: bool,
-    /// Keep what older code made, where nothing else changed; the manifests say so. For upgrades in mid-dataset.
+    /// Keep what older code made, where nothing else changed; the manifests say so. For upgrades in
+    /// mid-dataset.
     #[arg(long, conflicts_with = "force")]
     accept_code: bool,
     /// Worker threads (default: all cores). The output does not depend on it.
@@ -94,7 +95,8 @@ impl From<StageArgs> for StageOptions {
     }
 }
 
-/// Runs a stage program: its command line in, its exit code out. `stamp` is the build's (`build_stamp::STAMP`).
+/// Runs a stage program: its command line in, its exit code out. `stamp` is the build's
+/// (`build_stamp::STAMP`).
 #[must_use]
 pub fn run<S: StageSettings>(stage: Stage<S>, stamp: &[u8; STAMP_LEN]) -> ExitCode {
     runner::run_stage(stage, &StageArgs::parse().into(), stamp)

@@ -104,8 +104,8 @@ pub struct VizArgs {
     /// Pictures, such as RGB-*,LIDAR3DwBBOX-NEAR (default: all); --list names them.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub modes: Vec<String>,
-    /// What the colours of points tell (default: of lidars the distance, of semantic ones the tag, of radars the velocity, of
-    /// several agents together whose they are).
+    /// What the colours of points tell (default: of lidars the distance, of semantic ones the tag, of radars
+    /// the velocity, of several agents together whose they are).
     #[arg(long, value_name = "WHAT", value_enum)]
     pub colour: Option<Colour>,
     /// The folder to write to.

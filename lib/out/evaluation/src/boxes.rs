@@ -40,8 +40,8 @@ impl Solid {
         (away[0] * away[0] + away[1] * away[1] + away[2] * away[2]).sqrt()
     }
 
-    /// How unlike the sizes are: 1 less the overlap over the union of both boxes, laid upon each other with their middles and
-    /// axes, in 0..=1.
+    /// How unlike the sizes are: 1 less the overlap over the union of both boxes, laid upon each other with
+    /// their middles and axes, in 0..=1.
     pub(crate) fn scale_error(&self, other: &Self) -> f64 {
         let volume = |size: [f64; 3]| size[0] * size[1] * size[2];
         let common = volume([0, 1, 2].map(|axis| self.size_m[axis].min(other.size_m[axis])));
@@ -69,8 +69,8 @@ impl Solid {
     }
 }
 
-/// Where the forward axis of a rotation points, about the world's up axis, rad; none of a quaternion (w, x, y, z) that is no
-/// rotation.
+/// Where the forward axis of a rotation points, about the world's up axis, rad; none of a quaternion (w, x,
+/// y, z) that is no rotation.
 pub(crate) fn yaw_of(quaternion: [f64; 4]) -> Option<f64> {
     let norm = quaternion.iter().map(|part| part * part).sum::<f64>();
     if !(norm.is_finite() && norm > 1e-12) {

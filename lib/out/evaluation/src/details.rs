@@ -1,4 +1,5 @@
-//! What pages show of SimBEV2X's metrics: curves, what was found at which distance, and the frames with the most errors.
+//! What pages show of SimBEV2X's metrics: curves, what was found at which distance, and the frames with the
+//! most errors.
 
 use std::cmp::Reverse;
 
@@ -30,10 +31,11 @@ pub struct Found {
 pub struct ClassDetails {
     /// Its name.
     pub name: &'static str,
-    /// Recall and precision at each of [`crate::THRESHOLDS_M`], from the surest prediction on, at most some hundred points; empty where
-    /// nothing was found.
+    /// Recall and precision at each of [`crate::THRESHOLDS_M`], from the surest prediction on, at most some
+    /// hundred points; empty where nothing was found.
     pub curves: [Vec<[f64; 2]>; 4],
-    /// The score from which on predictions count in what follows: that with the best F1 at 2 m; none where nothing was found.
+    /// The score from which on predictions count in what follows: that with the best F1 at 2 m; none where
+    /// nothing was found.
     pub score: Option<f64>,
     /// What was found up to 2 m, by [`crate::Ring`].
     pub rings: [Found; 3],

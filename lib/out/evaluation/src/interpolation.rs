@@ -1,7 +1,8 @@
 //! Curves through points, as numpy draws them.
 
-/// The value at `x` of the line through points whose `xs` do not fall: the first point's before them, `beyond` after them (the
-/// last point's where there is none). Where several points have one x, the last of them counts. numpy's `interp`.
+/// The value at `x` of the line through points whose `xs` do not fall: the first point's before them,
+/// `beyond` after them (the last point's where there is none). Where several points have one x, the last of
+/// them counts. numpy's `interp`.
 pub(crate) fn interpolate(x: f64, xs: &[f64], ys: &[f64], beyond: Option<f64>) -> f64 {
     let after = xs.partition_point(|point| *point <= x);
     let (Some(first), Some(last)) = (ys.first(), ys.last()) else { return f64::NAN };
@@ -18,8 +19,8 @@ pub(crate) fn interpolate(x: f64, xs: &[f64], ys: &[f64], beyond: Option<f64>) -
     (y1 - y0) / (x1 - x0) * (x - x0) + y0
 }
 
-/// The mean of the values up to each: those that are no numbers do not count (0 while none is one), and where none of all is one
-/// it is 1.
+/// The mean of the values up to each: those that are no numbers do not count (0 while none is one), and where
+/// none of all is one it is 1.
 pub(crate) fn running_means(values: &[f64]) -> Vec<f64> {
     if values.iter().all(|v| v.is_nan()) {
         return vec![1.0; values.len()];

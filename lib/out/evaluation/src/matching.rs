@@ -7,7 +7,8 @@ pub(crate) fn by_score(a: f64, b: f64) -> Ordering {
     b.partial_cmp(&a).unwrap_or(Ordering::Equal)
 }
 
-/// Distances of some predictions from some targets of one sample and class: a row of all targets for each prediction.
+/// Distances of some predictions from some targets of one sample and class: a row of all targets for each
+/// prediction.
 pub(crate) struct Distances {
     targets: usize,
     values_m: Vec<f64>,
@@ -20,8 +21,8 @@ impl Distances {
         Self { targets: targets.len(), values_m: pairs.map(|(p, t)| measure(p, t)).collect() }
     }
 
-    /// The target of each prediction: these choose in their order the nearest that is free, the first of several, and take it if
-    /// it `is_near` enough.
+    /// The target of each prediction: these choose in their order the nearest that is free, the first of
+    /// several, and take it if it `is_near` enough.
     pub(crate) fn assign(&self, predictions: usize, is_near: impl Fn(f64) -> bool) -> Vec<Option<usize>> {
         let mut taken = vec![false; self.targets];
         let choose = |prediction: usize| {

@@ -22,13 +22,13 @@ pub struct Measure {
     pub mode: Mode,
     /// The class, or `all`.
     pub class: &'static str,
-    /// Which of the targets or cells: all, or those of a difficulty, a distance, ...; of what is confused, the class for which it
-    /// is taken.
+    /// Which of the targets or cells: all, or those of a difficulty, a distance, ...; of what is confused,
+    /// the class for which it is taken.
     pub level: &'static str,
     /// `AP`, `mAP`, `ATE`, `mATE`, ..., `SDS`, `NDS`, `targets`, `IoU`, `mIoU`, `cells`, `confused`.
     pub name: &'static str,
-    /// The distance up to which (m), the overlap or the score from which on something is found; none of what is a mean over several
-    /// of them, or a count.
+    /// The distance up to which (m), the overlap or the score from which on something is found; none of what
+    /// is a mean over several of them, or a count.
     pub threshold: Option<f64>,
     /// Its value; NaN where there is none.
     pub value: f64,

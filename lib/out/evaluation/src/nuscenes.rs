@@ -1,7 +1,7 @@
 //! nuScenes' detection metrics: mAP, five errors, NDS.
 //!
-//! Defined by nuscenes-devkit 1.2.0 (`eval/detection`, configuration `detection_cvpr_2019`); tests hold all numbers against its
-//! own code.
+//! Defined by nuscenes-devkit 1.2.0 (`eval/detection`, configuration `detection_cvpr_2019`); tests hold all
+//! numbers against its own code.
 
 use rayon::prelude::*;
 use schema::DetectionClass;
@@ -73,8 +73,8 @@ impl Default for NuScenesTally {
 }
 
 impl NuScenesTally {
-    /// Adds a sample's targets and predictions, whose classes are numbers of nuScenes'. Of equal scores the later counts as the
-    /// surer, within a sample and among samples.
+    /// Adds a sample's targets and predictions, whose classes are numbers of nuScenes'. Of equal scores the
+    /// later counts as the surer, within a sample and among samples.
     pub fn add(&mut self, targets: &[Target], predictions: &[Prediction]) {
         for (class, tally) in self.classes.iter_mut().enumerate() {
             let targets: Vec<&Target> = targets.iter().filter(|t| t.class == class).collect();
@@ -222,7 +222,8 @@ pub struct NuScenesClass {
     pub targets: u64,
     /// Average precision at each of [`THRESHOLDS_M`]; 0 of a class without targets.
     pub ap: [f64; 4],
-    /// ATE (m), ASE, AOE (rad), AVE (m/s), AAE at 2 m; 1 where too little was found, NaN where the class has none.
+    /// ATE (m), ASE, AOE (rad), AVE (m/s), AAE at 2 m; 1 where too little was found, NaN where the class has
+    /// none.
     pub errors: [f64; 5],
 }
 

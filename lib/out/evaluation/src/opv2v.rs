@@ -12,7 +12,8 @@ pub const THRESHOLDS_IOU: [f64; 3] = [0.3, 0.5, 0.7];
 /// The one class of all targets and predictions.
 pub(crate) const CLASS: &str = "vehicle";
 
-/// Whether objects of a class are vehicles to OPV2V: cars, trucks (vans among them) and buses, as its export has them.
+/// Whether objects of a class are vehicles to OPV2V: cars, trucks (vans among them) and buses, as its export
+/// has them.
 #[must_use]
 pub fn is_opv2v_vehicle(class: DetectionClass) -> bool {
     matches!(class, DetectionClass::Car | DetectionClass::Truck | DetectionClass::Bus)
@@ -34,8 +35,9 @@ pub struct Opv2vTally {
 }
 
 impl Opv2vTally {
-    /// Adds a sample's targets and predictions, all of which are vehicles whatever their classes say. Of equal scores the earlier
-    /// counts as the surer. The surest first, each takes the free target that it overlaps most.
+    /// Adds a sample's targets and predictions, all of which are vehicles whatever their classes say. Of
+    /// equal scores the earlier counts as the surer. The surest first, each takes the free target that it
+    /// overlaps most.
     pub fn add(&mut self, targets: &[Target], predictions: &[Prediction]) {
         self.targets += targets.len() as u64;
         let mut surest: Vec<&Prediction> = predictions.iter().collect();
@@ -105,7 +107,8 @@ fn average_precision(is_right: impl Iterator<Item = bool>, targets: u64) -> f64 
 pub struct Opv2vScores {
     /// How many targets there were.
     pub targets: u64,
-    /// With the predictions of all frames in the order of their scores (`global_sort_detections`); NaN without targets.
+    /// With the predictions of all frames in the order of their scores (`global_sort_detections`); NaN
+    /// without targets.
     pub sorted: [f64; 3],
     /// With those of a frame after those of the frame before, as OPV2V's numbers are; likewise.
     pub by_frame: [f64; 3],

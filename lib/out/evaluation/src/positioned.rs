@@ -9,8 +9,8 @@ use bytes::Bytes;
 use parquet::errors::Result;
 use parquet::file::reader::{ChunkReader, Length};
 
-/// An open file. Every read says where: copies of a [`File`] share one position, so that readers in several threads would move each
-/// other's.
+/// An open file. Every read says where: copies of a [`File`] share one position, so that readers in several
+/// threads would move each other's.
 #[derive(Clone, Debug)]
 pub(crate) struct Positioned {
     file: Arc<File>,

@@ -104,7 +104,8 @@ pub struct PredictionRow {
     pub attribute: Option<u8>,
 }
 
-/// A Parquet file of predictions. Its rows are read scene by scene, so that memory holds those of a few scenes.
+/// A Parquet file of predictions. Its rows are read scene by scene, so that memory holds those of a few
+/// scenes.
 #[derive(Debug)]
 pub struct PredictionFile {
     path: String,
@@ -132,7 +133,8 @@ impl PredictionFile {
     /// Looks likewise into a file that is open; `name` is what messages call it.
     pub(crate) fn of(file: File, name: String) -> Result<Self, EvaluationError> {
         let fault = |problem: String| EvaluationError::Predictions { path: name.clone(), problem };
-        // What pyarrow, polars and others add to say of which of their own types a column is: all are read as one.
+        // What pyarrow, polars and others add to say of which of their own types a column is: all are read as
+        // one.
         let file = Positioned::new(file).map_err(|e| fault(format!("cannot be read: {e}")))?;
         let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let about = ArrowReaderMetadata::load(&file, options)

@@ -20,7 +20,8 @@ use crate::predictions::{PredictionFile, number_of_attribute};
 
 /// So many rows are in memory at a time.
 const BATCH_ROWS: usize = 1 << 14;
-/// Classes of nuScenes that no store has (semi-trailers are trucks there): what is predicted of them finds nothing.
+/// Classes of nuScenes that no store has (semi-trailers are trucks there): what is predicted of them finds
+/// nothing.
 const ELSEWHERE: [&str; 2] = ["trailer", "construction_vehicle"];
 
 /// A sample: its scene, frame and ego.
@@ -50,8 +51,8 @@ struct Map {
 }
 
 impl ExportedSamples {
-    /// Reads `cooperation.json` and `map.json` of an export's versions: of the folder itself, or of those in it. `map_of` names the
-    /// map of a scene.
+    /// Reads `cooperation.json` and `map.json` of an export's versions: of the folder itself, or of those in
+    /// it. `map_of` names the map of a scene.
     ///
     /// # Errors
     /// It is no export of ours, or a table cannot be read.
@@ -111,8 +112,8 @@ fn table<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<Vec<T>, Evaluation
     serde_json::from_reader(BufReader::new(file)).map_err(|e| fault(e.to_string()))
 }
 
-/// Reads a file of nuScenes' results (`meta`, `results` by sample token), box by box, into predictions of our own form, which lie in
-/// a temporary file of about a tenth of its size.
+/// Reads a file of nuScenes' results (`meta`, `results` by sample token), box by box, into predictions of our
+/// own form, which lie in a temporary file of about a tenth of its size.
 ///
 /// # Errors
 /// The file cannot be read, or a box or a sample in it is none; the temporary file cannot be written.

@@ -28,7 +28,8 @@ pub struct Plan<'a> {
     pub seen: SeenBy,
     /// Samples are frames 0, n, 2 n, ...; none: all that have boxes.
     pub every_n_frames: Option<u32>,
-    /// How many of the worst frames are told, with curves and what was found at which distance; none: nothing of all this.
+    /// How many of the worst frames are told, with curves and what was found at which distance; none: nothing
+    /// of all this.
     pub worst_frames: Option<usize>,
     /// Which agents are egos.
     pub is_ego: &'a (dyn Fn(AgentId) -> bool + Sync),
@@ -99,12 +100,12 @@ impl PartialScores {
     }
 }
 
-/// Holds the predictions of some scenes against their boxes, on the threads of the pool at hand; the result does not depend
-/// on how many these are. As many scenes are in memory as there are threads.
+/// Holds the predictions of some scenes against their boxes, on the threads of the pool at hand; the result
+/// does not depend on how many these are. As many scenes are in memory as there are threads.
 ///
 /// # Errors
-/// The store or the file cannot be read; a prediction is of an agent, a frame or a scene that is none; there is nothing to
-/// evaluate; nuScenes' metrics are asked for and a sample has more than 500 predictions.
+/// The store or the file cannot be read; a prediction is of an agent, a frame or a scene that is none; there
+/// is nothing to evaluate; nuScenes' metrics are asked for and a sample has more than 500 predictions.
 pub fn evaluate(
     scenes: &[SceneReader],
     file: &PredictionFile,

@@ -1,4 +1,5 @@
-//! SimBEV2X's detection metrics: mAP by difficulty, four errors, SDS; and mAP by distance and by who saw the target.
+//! SimBEV2X's detection metrics: mAP by difficulty, four errors, SDS; and mAP by distance and by who saw the
+//! target.
 
 use rayon::prelude::*;
 use schema::DetectionClass;
@@ -79,8 +80,9 @@ impl SimBev2xTally {
         counts
     }
 
-    /// Adds a sample's targets and predictions, whose classes are numbers of [`DetectionClass::ALL`]. Of equal scores the earlier
-    /// counts as the surer, within a sample and among samples. Velocities that are not known count as none.
+    /// Adds a sample's targets and predictions, whose classes are numbers of [`DetectionClass::ALL`]. Of
+    /// equal scores the earlier counts as the surer, within a sample and among samples. Velocities that are
+    /// not known count as none.
     pub fn add(&mut self, targets: &[Target], predictions: &[Prediction]) {
         for (class, tally) in self.classes.iter_mut().enumerate() {
             let targets: Vec<&Target> = targets.iter().filter(|t| t.class == class).collect();
@@ -177,8 +179,8 @@ fn errors(target: &Target, prediction: &Prediction) -> [f64; 4] {
     ]
 }
 
-/// The area below precision over recall, from (0, 1) on and without points of low precision; NaN without targets. Whoever
-/// found a target of another level is neither right nor wrong, and not among them.
+/// The area below precision over recall, from (0, 1) on and without points of low precision; NaN without
+/// targets. Whoever found a target of another level is neither right nor wrong, and not among them.
 fn average_precision(is_right: impl Iterator<Item = bool>, targets: u64) -> f64 {
     if targets == 0 {
         return f64::NAN;
@@ -204,7 +206,8 @@ pub struct SimBev2xClass {
     pub name: &'static str,
     /// How many targets there were at each of [`Level::ALL`].
     pub targets: [u64; LEVELS],
-    /// Average precision at each of [`THRESHOLDS_M`], for the targets of each level; NaN where there are none.
+    /// Average precision at each of [`THRESHOLDS_M`], for the targets of each level; NaN where there are
+    /// none.
     pub ap: [[f64; LEVELS]; 4],
     /// ATE (m), AOE (rad), ASE, AVE (m/s) at each of [`THRESHOLDS_M`]; NaN where nothing was found.
     pub errors: [[f64; 4]; 4],

@@ -12,8 +12,8 @@ use serde_json::json;
 use crate::EvaluationError;
 use crate::measures::Measure;
 
-/// Writes numbers one row each: as Parquet where the name of the file ends so, as a list of JSON objects where in `.json`.
-/// What is no number is null.
+/// Writes numbers one row each: as Parquet where the name of the file ends so, as a list of JSON objects
+/// where in `.json`. What is no number is null.
 ///
 /// # Errors
 /// The name ends in something else, or the file cannot be written.

@@ -52,9 +52,9 @@ impl Omission {
 
 /// A layout in which stores are exported.
 ///
-/// Units, and the pieces of one, are written in parallel (unless [`Layout::is_parallel_inside`]), each piece by one call; what one
-/// writes depends on the store and the layout's options alone. What is common to all (lists of scenes, tables that name tokens of several) is made of the units'
-/// fragments at the end.
+/// Units, and the pieces of one, are written in parallel (unless [`Layout::is_parallel_inside`]), each piece
+/// by one call; what one writes depends on the store and the layout's options alone. What is common to all
+/// (lists of scenes, tables that name tokens of several) is made of the units' fragments at the end.
 pub trait Layout: Sync {
     /// Its name: `kitti`.
     fn name(&self) -> &'static str;
@@ -87,7 +87,8 @@ pub trait Layout: Sync {
         scene.agents().iter().map(|agent| UnitName { scene: number, agent: Some(*agent) }).collect()
     }
 
-    /// In how many pieces a unit is written. More than one keep all threads busy also where there are few units.
+    /// In how many pieces a unit is written. More than one keep all threads busy also where there are few
+    /// units.
     fn pieces(&self, _scene: &SceneSource, _unit: UnitName) -> u32 {
         1
     }
@@ -98,8 +99,9 @@ pub trait Layout: Sync {
     /// The store cannot be read.
     fn cost(&self, scene: &SceneSource, unit: UnitName) -> Result<Cost, ExportError>;
 
-    /// Writes a piece of a unit, `0..pieces`, at any time before or after the others. What they return is kept with the unit, put
-    /// together in their order, for [`Layout::finish`]. `files` is told of every frame that is done.
+    /// Writes a piece of a unit, `0..pieces`, at any time before or after the others. What they return is
+    /// kept with the unit, put together in their order, for [`Layout::finish`]. `files` is told of every
+    /// frame that is done.
     ///
     /// # Errors
     /// The store cannot be read, the destination not be written, or a signal came.
@@ -111,8 +113,8 @@ pub trait Layout: Sync {
         files: &mut UnitFiles<'_>,
     ) -> Result<Vec<u8>, ExportError>;
 
-    /// Writes what is common to all, from the fragments of all units that the destination holds, in their order. Scenes of
-    /// earlier runs are among them; `source` has the ones of this run.
+    /// Writes what is common to all, from the fragments of all units that the destination holds, in their
+    /// order. Scenes of earlier runs are among them; `source` has the ones of this run.
     ///
     /// # Errors
     /// As [`Layout::write_piece`].

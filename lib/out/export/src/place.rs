@@ -1,8 +1,9 @@
 //! Where an export is written, and what of it is finished.
 //!
-//! Files get their names when they are whole. A unit counts once its record stands, which is put after all its files are on
-//! the disk: a killed export loses the units in hand, and the next one makes just these. Until then a journal names the unit's
-//! files before they are made, so that nothing is left of it that nobody knows.
+//! Files get their names when they are whole. A unit counts once its record stands, which is put after all
+//! its files are on the disk: a killed export loses the units in hand, and the next one makes just these.
+//! Until then a journal names the unit's files before they are made, so that nothing is left of it that
+//! nobody knows.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -75,8 +76,8 @@ impl Destination {
         self.root.join(RECORDS).join(self.layout)
     }
 
-    /// Refuses a folder that holds an export with other options, or strange files. Says whether there is an export with other
-    /// options, which is to be replaced by `force`.
+    /// Refuses a folder that holds an export with other options, or strange files. Says whether there is an
+    /// export with other options, which is to be replaced by `force`.
     pub(crate) fn claim(&self, options: &str, force: bool) -> Result<bool, ExportError> {
         let path = self.records().join("export.json");
         match read_json::<Common>(&path)? {
@@ -187,7 +188,8 @@ impl Destination {
         self.records().join(format!("{unit}{JOURNAL}"))
     }
 
-    /// Removes what killed runs left among the records: files in hand, and the journals of units that are finished.
+    /// Removes what killed runs left among the records: files in hand, and the journals of units that are
+    /// finished.
     pub(crate) fn tidy(&self) -> Result<(), ExportError> {
         for name in self.record_names()?.iter().filter(|name| name.ends_with(UNFINISHED)) {
             remove(&self.records().join(name))?;
@@ -200,7 +202,8 @@ impl Destination {
         Ok(())
     }
 
-    /// Removes a unit: its record first, then its files, also those that a killed run has begun; last what names them.
+    /// Removes a unit: its record first, then its files, also those that a killed run has begun; last what
+    /// names them.
     fn forget(&self, unit: UnitName) -> Result<(), ExportError> {
         let journal = self.journal_path(unit);
         if let Some(record) = self.record(unit)? {

@@ -83,7 +83,8 @@ fn never_had(source: &Source) -> Option<Omission> {
     source.scenes.iter().any(SceneSource::is_imported).then(|| Omission::new(what, why))
 }
 
-/// Makes what a plan says, on the threads of the pool that it is called in. The files do not depend on their number.
+/// Makes what a plan says, on the threads of the pool that it is called in. The files do not depend on their
+/// number.
 ///
 /// # Errors
 /// The first error in the order of units; what is finished is kept.

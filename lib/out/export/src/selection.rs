@@ -44,8 +44,8 @@ impl Selection {
         schema::rate::due(frames, self.every_n_frames)
     }
 
-    /// The selection in words that stay the same: part of what makes two exports the same. Scenes and splits are not: an export
-    /// may grow by them.
+    /// The selection in words that stay the same: part of what makes two exports the same. Scenes and splits
+    /// are not: an export may grow by them.
     #[must_use]
     pub fn identity(&self) -> String {
         let Self { agents, sensors, every_n_frames, .. } = self;

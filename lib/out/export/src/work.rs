@@ -105,8 +105,9 @@ impl<'a> InHand<'a> {
     }
 }
 
-/// Makes units on all threads of the pool that it is called in, piece by piece in their order, or (where a piece keeps all threads
-/// busy itself) one after another. Those that fail do not keep others from being made.
+/// Makes units on all threads of the pool that it is called in, piece by piece in their order, or (where a
+/// piece keeps all threads busy itself) one after another. Those that fail do not keep others from being
+/// made.
 ///
 /// Units end on a thread of their own, as that waits for the disk and needs no core.
 ///

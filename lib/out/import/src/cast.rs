@@ -1,4 +1,5 @@
-//! The objects of a scene, from the lists of all agents and frames: their numbers and what log tables say of them.
+//! The objects of a scene, from the lists of all agents and frames: their numbers and what log tables say of
+//! them.
 
 use std::collections::BTreeMap;
 
@@ -179,8 +180,8 @@ impl SceneObjects {
     }
 }
 
-/// Numbers of a store: ids that can be one stay; the others, and agents that are in no list, take those that no object of a list
-/// has, from the top.
+/// Numbers of a store: ids that can be one stay; the others, and agents that are in no list, take those that
+/// no object of a list has, from the top.
 fn number(known: &BTreeMap<i128, FirstBox>, own: &[Option<i128>]) -> Option<(BTreeMap<i128, u16>, Vec<u16>)> {
     let fits = |id: i128| u16::try_from(id).ok().filter(|&id| id != 0);
     let taken: std::collections::BTreeSet<u16> = known.keys().filter_map(|&id| fits(id)).collect();

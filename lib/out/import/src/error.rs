@@ -8,7 +8,8 @@ use store::StoreError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// What was asked for cannot be: the folder is no dataset, the store holds something else. Nothing was written.
+    /// What was asked for cannot be: the folder is no dataset, the store holds something else. Nothing was
+    /// written.
     #[error("{0}")]
     Refused(String),
     /// A file of the dataset is missing, broken, or says what no store can hold.

@@ -11,7 +11,8 @@ use crate::cast::SceneObjects;
 use crate::infos::{Entry, Scene};
 use crate::value::Value;
 
-/// The facts of a scene as a store has them, its agents where its objects are known. What the layout does not say is empty or 0.
+/// The facts of a scene as a store has them, its agents where its objects are known. What the layout does not
+/// say is empty or 0.
 ///
 /// # Errors
 /// Weather or map are missing.

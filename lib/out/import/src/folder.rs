@@ -40,8 +40,8 @@ impl Folder {
         &self.root
     }
 
-    /// Where a file is that infos name. They do so with the path at which the dataset once was: what stands behind
-    /// `simbev2x/` counts.
+    /// Where a file is that infos name. They do so with the path at which the dataset once was: what stands
+    /// behind `simbev2x/` counts.
     ///
     /// # Errors
     /// The name leads out of the folder, by itself or by a link, or there is no such file.

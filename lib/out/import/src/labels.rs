@@ -199,7 +199,8 @@ fn state_row(frame: u32, id: u16, labelled: &Labelled) -> StateRow {
 /// Pixels of each object and tag, by agent and frame.
 type PixelCounts = BTreeMap<(usize, u32), BTreeMap<(u16, u8), u32>>;
 
-/// Writes what sensors saw of each box into a unit. The pixels are those of instance images that stand in the store by now.
+/// Writes what sensors saw of each box into a unit. The pixels are those of instance images that stand in the
+/// store by now.
 pub(crate) fn write_valid(work: &Work<'_>, unit: &mut Unit<'_>) -> Result<(), ImportError> {
     let pixels = pixels(work)?;
     let mut table: TableWriter<ValidBoxRow> = open(work, unit)?;

@@ -20,7 +20,8 @@ fn fault(offset: usize, problem: impl Into<String>) -> NpyError {
     NpyError { offset, problem: problem.into() }
 }
 
-/// Reads a file: an array of `f8` or `f4` as [`Value::Numbers`], one of objects as the list of what its pickle says.
+/// Reads a file: an array of `f8` or `f4` as [`Value::Numbers`], one of objects as the list of what its
+/// pickle says.
 ///
 /// # Errors
 /// It is truncated, too large, of another type, or its pickle is not one of plain values ([`pickle::parse`]).

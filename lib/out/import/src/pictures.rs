@@ -7,7 +7,8 @@ use codecs::images::{ImageError, Limits, PngRows};
 /// How large a picture may be.
 pub(crate) const LIMITS: Limits = Limits { side_px: 1 << 14, bytes: 1 << 29 };
 
-/// Pixels of each object and tag in an instance image: red is the tag, green and blue the id's low and high byte.
+/// Pixels of each object and tag in an instance image: red is the tag, green and blue the id's low and high
+/// byte.
 ///
 /// # Errors
 /// It is no such PNG, or broken.

@@ -147,7 +147,8 @@ fn facts(item: &Value) -> Option<Vec<(String, String)>> {
     entries.iter().map(|(key, value)| Some((key.clone(), value.text()?.to_owned()))).collect()
 }
 
-/// `vehicle.car.coupe` is `car.coupe`; of scenery the type is the name of its label, and its model among the facts, if anywhere.
+/// `vehicle.car.coupe` is `car.coupe`; of scenery the type is the name of its label, and its model among the
+/// facts, if anywhere.
 fn model(kind: &str, class: DetectionClass, is_alive: bool, said: Option<String>) -> String {
     if !is_alive {
         let plain = if class == DetectionClass::TrafficLight { "traffic_light" } else { kind };
@@ -166,7 +167,8 @@ fn color(text: &str) -> Option<Vec<u8>> {
     parts.filter(|parts| parts.len() == 3)
 }
 
-/// Further facts: those that have no column of their own, and what the layout says of lights and signs beside them.
+/// Further facts: those that have no column of their own, and what the layout says of lights and signs beside
+/// them.
 fn attributes(
     item: &Value,
     facts: Vec<(String, String)>,

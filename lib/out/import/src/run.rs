@@ -47,7 +47,8 @@ pub struct Prospect {
 }
 
 impl Prospect {
-    /// Agent-frames of what is to be done: one for an agent's sensors, and one for each archive of its arrays.
+    /// Agent-frames of what is to be done: one for an agent's sensors, and one for each archive of its
+    /// arrays.
     #[must_use]
     pub fn agent_frames(&self) -> u64 {
         let of = |scene: &SceneSurvey| {
@@ -144,11 +145,12 @@ pub struct Outcome {
     pub failed: Vec<(u32, ImportError)>,
 }
 
-/// Imports what a prospect has found, then writes the plan. Scenes are worked on in parallel; the files do not depend on how many
-/// threads there are. A scene that cannot be imported does not end the others.
+/// Imports what a prospect has found, then writes the plan. Scenes are worked on in parallel; the files do
+/// not depend on how many threads there are. A scene that cannot be imported does not end the others.
 ///
 /// # Errors
-/// The store cannot be read or written, or the import was stopped: what is finished is kept, and there is no plan yet.
+/// The store cannot be read or written, or the import was stopped: what is finished is kept, and there is no
+/// plan yet.
 pub fn import(
     source: &Source,
     store: &Store,

@@ -1,4 +1,5 @@
-//! The configuration that an imported store says it has: what infos tell of sensors, grids and scenes; the rest is as published.
+//! The configuration that an imported store says it has: what infos tell of sensors, grids and scenes; the
+//! rest is as published.
 
 use std::collections::{BTreeMap, BTreeSet};
 

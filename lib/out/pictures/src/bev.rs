@@ -28,7 +28,8 @@ impl BevPalette {
     }
 }
 
-/// Draws masks (`[classes, rows, columns]`, not 0 is true) on white, later classes over earlier ones; `scale` pixels a cell.
+/// Draws masks (`[classes, rows, columns]`, not 0 is true) on white, later classes over earlier ones; `scale`
+/// pixels a cell.
 ///
 /// # Errors
 /// There are not as many cells as that, or the picture would be too large.
@@ -69,7 +70,8 @@ mod tests {
 
     #[test]
     fn later_classes_lie_over_earlier_ones_whatever_their_channel() {
-        // Channel 0 is cars, channel 1 road: both in the first cell, road alone in the second, nothing in the third.
+        // Channel 0 is cars, channel 1 road: both in the first cell, road alone in the second, nothing in the
+        // third.
         let classes = [BevClass::Car, BevClass::Road];
         let masks = [1, 0, 0, 1, 1, 0];
         for (palette, want) in [

@@ -23,8 +23,9 @@ pub struct BoxShape {
     pub difficulty: Difficulty,
 }
 
-/// Draws the edges of boxes, the hardest first. `space_from_world` takes their corners to the space of the view; the lines of
-/// hard ones are `width_px` wide, those of medium ones twice, of easy ones three times as much.
+/// Draws the edges of boxes, the hardest first. `space_from_world` takes their corners to the space of the
+/// view; the lines of hard ones are `width_px` wide, those of medium ones twice, of easy ones three times as
+/// much.
 pub fn draw_boxes(
     canvas: &mut Canvas,
     view: &View,

@@ -21,7 +21,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A pinhole camera at a place of space, with the rotation that takes optical directions to space's, w, x, y, z.
+    /// A pinhole camera at a place of space, with the rotation that takes optical directions to space's, w,
+    /// x, y, z.
     #[must_use]
     pub fn at(xyz_m: [f64; 3], wxyz: [f64; 4], size: [u32; 2], focal: [f64; 4]) -> Self {
         let [w, x, y, z] = wxyz;
@@ -68,8 +69,8 @@ impl Camera {
         self.optical_from_space.rotation.inverse() * nalgebra::Vector3::new((u - cx) / fx, (v - cy) / fy, 1.0)
     }
 
-    /// Place of a point on the picture, pixels, and its distance along the axis (of lenses: from the camera), metres; none for
-    /// what is behind it or not shown by its lens.
+    /// Place of a point on the picture, pixels, and its distance along the axis (of lenses: from the camera),
+    /// metres; none for what is behind it or not shown by its lens.
     #[must_use]
     pub fn project(&self, point: Point3<f64>) -> Option<([f64; 2], f64)> {
         self.place(self.optical_from_space * point)
@@ -88,7 +89,8 @@ impl Camera {
         }
     }
 
-    /// The line between two points as chains of places on the picture: none where nothing of it is before the camera.
+    /// The line between two points as chains of places on the picture: none where nothing of it is before the
+    /// camera.
     #[must_use]
     pub fn line(&self, from: Point3<f64>, to: Point3<f64>) -> Vec<Vec<[f64; 2]>> {
         let ends = [from, to].map(|p| self.optical_from_space * p);
@@ -124,8 +126,9 @@ impl Camera {
         chains
     }
 
-    /// The part of a line within a frame around the picture, one picture wide on each side (Liang and Barsky, "A new concept and
-    /// method for line clipping", 1984): lines are not endless when they come close to the camera.
+    /// The part of a line within a frame around the picture, one picture wide on each side (Liang and Barsky,
+    /// "A new concept and method for line clipping", 1984): lines are not endless when they come close to the
+    /// camera.
     fn cut(&self, [a, b]: [[f64; 2]; 2]) -> Option<Vec<[f64; 2]>> {
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
         for axis in 0..2 {

@@ -55,7 +55,8 @@ impl ColourBy {
     }
 }
 
-/// Points of a sensor in its frame (FLU), metres. Columns are as long as `xyz_m`, or empty where the sensor has no such.
+/// Points of a sensor in its frame (FLU), metres. Columns are as long as `xyz_m`, or empty where the sensor
+/// has no such.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cloud {
     /// Places.
@@ -116,8 +117,9 @@ impl Cloud {
     }
 }
 
-/// Draws points as squares of `side_px` pixels, nearer ones over farther ones. `space_from_sensor` takes them to the space of
-/// the view, `ground_z_m` is the height of the agent's ground there, `agent` the place of the agent in the scene's list.
+/// Draws points as squares of `side_px` pixels, nearer ones over farther ones. `space_from_sensor` takes them
+/// to the space of the view, `ground_z_m` is the height of the agent's ground there, `agent` the place of the
+/// agent in the scene's list.
 ///
 /// # Errors
 /// The points have not what they are to be coloured by.

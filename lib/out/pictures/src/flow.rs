@@ -5,9 +5,9 @@ use frames::math;
 use crate::colours::hsv;
 use crate::{Canvas, PictureError};
 
-/// Draws the motion of what each pixel shows: its direction as hue (right red, up yellow-green, left cyan, down violet), its
-/// length as brightness, from the least of the picture to the greatest, by square roots so that slow things are seen.
-/// `dx` and `dy` as [`schema::tables::FlowRow`] has them.
+/// Draws the motion of what each pixel shows: its direction as hue (right red, up yellow-green, left cyan,
+/// down violet), its length as brightness, from the least of the picture to the greatest, by square roots so
+/// that slow things are seen. `dx` and `dy` as [`schema::tables::FlowRow`] has them.
 ///
 /// # Errors
 /// There are not as many values as pixels.

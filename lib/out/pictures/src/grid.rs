@@ -84,7 +84,8 @@ impl VoxelGrid {
         Point3::from([0, 1, 2].map(|k| (point[k] - self.lower_m[k]) / self.voxel_m))
     }
 
-    /// The first occupied cell on a ray from a place (in cells) on, not before `from` lengths of its direction.
+    /// The first occupied cell on a ray from a place (in cells) on, not before `from` lengths of its
+    /// direction.
     pub(crate) fn first_hit(&self, origin: Point3<f64>, direction: Vector3<f64>, from: f64) -> Option<Hit> {
         let block = BLOCK as f64;
         let whole = self.shape.map(|n| n as f64);
@@ -144,7 +145,8 @@ struct Step {
     axis: usize,
 }
 
-/// The cells that a ray passes, in order (Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", 1987).
+/// The cells that a ray passes, in order (Amanatides and Woo, "A fast voxel traversal algorithm for ray
+/// tracing", 1987).
 struct Walk {
     cell: [i64; 3],
     bounds: ([i64; 3], [i64; 3]),

@@ -59,8 +59,8 @@ pub struct GroundLine {
     pub chains_m: Vec<Vec<Point3<f64>>>,
 }
 
-/// Draws elements of a map from above, areas under lines; in other views nothing, since lines that reach the horizon hide what
-/// stands before them. `space_from_world` takes them to the space of the view.
+/// Draws elements of a map from above, areas under lines; in other views nothing, since lines that reach the
+/// horizon hide what stands before them. `space_from_world` takes them to the space of the view.
 pub fn draw_ground(
     canvas: &mut Canvas,
     view: &View,

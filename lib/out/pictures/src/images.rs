@@ -11,7 +11,8 @@ const FARTHEST_M: f64 = 1000.0;
 /// Largest 24-bit number.
 const FULL: f64 = 16_777_215.0;
 
-/// Draws a depth image (24 bits a pixel, red lowest): black up to 1 m, white from 1000 m, by logarithms between.
+/// Draws a depth image (24 bits a pixel, red lowest): black up to 1 m, white from 1000 m, by logarithms
+/// between.
 ///
 /// # Errors
 /// There are not as many values as pixels.
@@ -24,8 +25,8 @@ pub fn draw_depth(size: [u32; 2], rgb: &[u8]) -> Result<Canvas, PictureError> {
     })
 }
 
-/// Draws an instance image (red the tag, green and blue the object): each object in a colour of its own, what belongs to none in
-/// that of its tag.
+/// Draws an instance image (red the tag, green and blue the object): each object in a colour of its own, what
+/// belongs to none in that of its tag.
 ///
 /// # Errors
 /// There are not as many values as pixels.

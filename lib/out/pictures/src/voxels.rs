@@ -30,8 +30,8 @@ const EDGE_PX: f64 = 9.0;
 const EDGE_SHARE: f64 = 0.05;
 const EDGE_LIGHT: f64 = 0.82;
 
-/// Draws a grid (in its agent's frame) through a pinhole camera in a space: cubes in the colours of their tags, nearer ones before
-/// farther ones, lit by a sun that throws shadows, darker where they meet.
+/// Draws a grid (in its agent's frame) through a pinhole camera in a space: cubes in the colours of their
+/// tags, nearer ones before farther ones, lit by a sun that throws shadows, darker where they meet.
 ///
 /// # Errors
 /// The picture is too large.
@@ -105,7 +105,8 @@ impl<'g> Light<'g> {
         lines * self.openness(hit, (u, v), share) * (SKY_SHARE * sky + SUN_SHARE * sun)
     }
 
-    /// 1 in the open, less towards corners of the face beside which other cubes stand: evenly between its four corners.
+    /// 1 in the open, less towards corners of the face beside which other cubes stand: evenly between its
+    /// four corners.
     fn openness(&self, hit: &Hit, (u, v): (usize, usize), share: [f64; 2]) -> f64 {
         let mut outside = hit.cell;
         outside[hit.axis] += hit.outwards;

@@ -3,7 +3,8 @@
 use glam::{Mat3, Vec3};
 use simd::{F32x8, Vec3x8};
 
-/// The normal along a triangle: linear in the triangle's plane between the normals of its corners, on the camera's side.
+/// The normal along a triangle: linear in the triangle's plane between the normals of its corners, on the
+/// camera's side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bend {
     /// First corner, object frame.
@@ -15,8 +16,8 @@ pub struct Bend {
 }
 
 impl Bend {
-    /// Of the corners of a triangle and its normals there, both in the object frame; `None` for a triangle without area. The sign of
-    /// `side` is -1 where the camera sees the triangle's back.
+    /// Of the corners of a triangle and its normals there, both in the object frame; `None` for a triangle
+    /// without area. The sign of `side` is -1 where the camera sees the triangle's back.
     pub(crate) fn new(corners: [Vec3; 3], normals: [Vec3; 3], to_local: &Mat3, side: f32) -> Option<Self> {
         let [corner, second, third] = corners;
         let (along, across) = (second - corner, third - corner);

@@ -24,8 +24,8 @@ pub struct VisibilityBuffer {
     pub instance: Vec<u32>,
     /// Index into the triangles of that instance's mesh, or [`SKY`].
     pub triangle: Vec<u32>,
-    /// A surface is at so many times the pixel's direction, which is planar depth where no rays say otherwise, metres; infinite
-    /// for sky.
+    /// A surface is at so many times the pixel's direction, which is planar depth where no rays say
+    /// otherwise, metres; infinite for sky.
     pub depth_m: Vec<f32>,
     /// Where a lens bends light: the direction of each pixel in the optical frame.
     pub rays: Option<Arc<[Vec3]>>,

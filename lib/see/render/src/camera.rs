@@ -31,7 +31,8 @@ impl PinholeCamera {
     /// Farthest depth of [`PinholeCamera::centred`], metres.
     pub const FAR_M: f32 = 1000.0;
 
-    /// A camera with square pixels, its axis through the middle of the picture and this horizontal field of view.
+    /// A camera with square pixels, its axis through the middle of the picture and this horizontal field of
+    /// view.
     #[must_use]
     pub fn centred(local_from_optical: Affine3A, width: u32, height: u32, horizontal_fov_rad: f32) -> Self {
         let focal = 0.5 * width as f32 / frames::math::f32::tan(0.5 * horizontal_fov_rad);
@@ -50,8 +51,8 @@ impl PinholeCamera {
 
     /// The direction in the optical frame through a point of the picture, scaled to z = 1.
     ///
-    /// The centre of pixel `(u, v)` is the point `(u + 0.5, v + 0.5)`. A surface at planar depth `z` along it is
-    /// at `z * direction`.
+    /// The centre of pixel `(u, v)` is the point `(u + 0.5, v + 0.5)`. A surface at planar depth `z` along it
+    /// is at `z * direction`.
     #[must_use]
     pub fn direction_optical(&self, column: f32, row: f32) -> Vec3 {
         Vec3::new((column - self.cx) / self.fx, (row - self.cy) / self.fy, 1.0)

@@ -9,12 +9,12 @@ use crate::{CameraView, Surfaces, VisibilityBuffer};
 
 /// Largest flow: the whole picture.
 const LIMIT: f32 = 2.0;
-/// Flow is a multiple of this, 0.006 pixels of a picture 1600 wide: about the accuracy of the positions it is made of,
-/// and the digits beyond would not compress.
+/// Flow is a multiple of this, 0.006 pixels of a picture 1600 wide: about the accuracy of the positions it is
+/// made of, and the digits beyond would not compress.
 const STEP: f32 = 1.0 / 131_072.0;
 
-/// Current minus previous position on the screen of the surface at each pixel, right and up, row by row; the picture is 2 units
-/// wide and high.
+/// Current minus previous position on the screen of the surface at each pixel, right and up, row by row; the
+/// picture is 2 units wide and high.
 pub fn flow(snapshot: &Snapshot, view: &CameraView, buffer: &VisibilityBuffer) -> (Vec<f32>, Vec<f32>) {
     let camera = &buffer.camera;
     let width = buffer.width as usize;

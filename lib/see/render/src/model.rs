@@ -34,7 +34,8 @@ impl CameraModel {
     /// Of size, intrinsics and lens.
     ///
     /// # Errors
-    /// The picture has no pixels or too many, the intrinsics are not those of a camera, or a pixel looks nowhere.
+    /// The picture has no pixels or too many, the intrinsics are not those of a camera, or a pixel looks
+    /// nowhere.
     pub fn new(optics: &Optics) -> Result<Self, CameraError> {
         let Optics { width, height, fx, fy, cx, cy, lens } = *optics;
         if !(1..=MAX_SIDE_PX).contains(&width) || !(1..=MAX_SIDE_PX).contains(&height) {
@@ -78,8 +79,8 @@ impl CameraModel {
         PinholeCamera { local_from_optical, ..self.straight }
     }
 
-    /// Position in the picture of a point in the optical frame, pixels, and whether the camera may show it. What lies behind
-    /// or beyond what the lens shows is moved to where that ends.
+    /// Position in the picture of a point in the optical frame, pixels, and whether the camera may show it.
+    /// What lies behind or beyond what the lens shows is moved to where that ends.
     #[must_use]
     pub fn project(&self, point: Vec3) -> (Vec2, bool) {
         let Some(bent) = &self.bent else {
@@ -106,8 +107,8 @@ impl CameraModel {
         [points.x * fx / z + cx, points.y * fy / z + cy]
     }
 
-    /// The direction in the optical frame in which a place of the picture looks, pixels; none where the lens shows nothing.
-    /// 1 long along the axis, of fisheyes 1 long.
+    /// The direction in the optical frame in which a place of the picture looks, pixels; none where the lens
+    /// shows nothing. 1 long along the axis, of fisheyes 1 long.
     #[must_use]
     pub fn direction(&self, column: f32, row: f32) -> Option<Vec3> {
         let Some(bent) = &self.bent else {

@@ -2,10 +2,12 @@
 
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 
-/// The pose of a body at a moment between the previous frame's and this one's: `before` is 0 at this frame and 1 at the
-/// previous one. Its origin goes straight at one speed; it turns evenly about one axis, by less than half a turn.
+/// The pose of a body at a moment between the previous frame's and this one's: `before` is 0 at this frame
+/// and 1 at the previous one. Its origin goes straight at one speed; it turns evenly about one axis, by less
+/// than half a turn.
 ///
-/// Exactly `now` at 0, for what does not move and for what came from nowhere (a pose that is not finite). Every renderer places instances by it.
+/// Exactly `now` at 0, for what does not move and for what came from nowhere (a pose that is not finite).
+/// Every renderer places instances by it.
 ///
 /// ```
 /// use glam::{Affine3A, Vec3};

@@ -8,9 +8,11 @@ use schema::geometry::{DOOR_M, Surface};
 pub const PASSES: f32 = 0.7;
 /// Panes and openings that are looked through one behind the other, at most.
 const MOST_PANES: u8 = 8;
-/// Openings are met as if at no smaller cosine of an angle than this: who looks along a car looks past its door's frame.
+/// Openings are met as if at no smaller cosine of an angle than this: who looks along a car looks past its
+/// door's frame.
 const LEAST_COS: f32 = 0.2;
-/// What is nearer behind a pane is the pane itself, metres; distances are told apart by a share of themselves.
+/// What is nearer behind a pane is the pane itself, metres; distances are told apart by a share of
+/// themselves.
 const BEHIND_M: f32 = 1e-3;
 const ROUNDING: f32 = 1e-5;
 
@@ -24,7 +26,8 @@ pub struct Panes<'a> {
 /// What a ray meets behind a pane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransmittedHit {
-    /// What it ends at; the sky if nothing. Instances are numbered as [`schema::geometry::Snapshot::behind`] has them.
+    /// What it ends at; the sky if nothing. Instances are numbered as [`schema::geometry::Snapshot::behind`]
+    /// has them.
     pub hit: Option<Hit>,
     /// Panes that it passed.
     pub panes: u8,
@@ -73,7 +76,8 @@ impl<'a> Panes<'a> {
         }
     }
 
-    /// What rays from a place meet behind the panes that they met, at a moment (0 is this frame, 1 the one before).
+    /// What rays from a place meet behind the panes that they met, at a moment (0 is this frame, 1 the one
+    /// before).
     ///
     /// # Errors
     /// The renderer failed.
@@ -123,7 +127,8 @@ impl<'a> Panes<'a> {
         Ok(found)
     }
 
-    /// From where on a ray looks for what is behind a pane (instance, triangle, distance), metres; and whether that is an opening.
+    /// From where on a ray looks for what is behind a pane (instance, triangle, distance), metres; and
+    /// whether that is an opening.
     fn beyond(
         &self,
         before: f32,

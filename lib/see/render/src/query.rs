@@ -26,8 +26,9 @@ pub enum Outputs {
     Depths,
 }
 
-/// Pixels at which panes with something behind them ([`has_cabin`](schema::geometry::Snapshot::has_cabin)) are opaque: a pattern of
-/// two columns and two rows, repeated over the picture. This is screen-door transparency. All other surfaces are always opaque.
+/// Pixels at which panes with something behind them ([`has_cabin`](schema::geometry::Snapshot::has_cabin))
+/// are opaque: a pattern of two columns and two rows, repeated over the picture. This is screen-door
+/// transparency. All other surfaces are always opaque.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stipple {
     /// Bit `2 * (row % 2) + column % 2`: whether panes are opaque there.
@@ -41,10 +42,11 @@ pub struct RayQuery<'a> {
     pub rays: RayBatch<'a>,
     /// Numbers of instances, ascending: rays meet no others. `None`: all instances.
     pub among: Option<&'a [u32]>,
-    /// The moment: 0 is this frame and 1 the previous one. Every instance is where [`pose_before`](crate::pose_before) has it then.
+    /// The moment: 0 is this frame and 1 the previous one. Every instance is where
+    /// [`pose_before`](crate::pose_before) has it then.
     pub before: f32,
-    /// Whether rays also meet what is behind panes ([`cabins`](schema::geometry::Snapshot::cabins)). A caller that has met a pane
-    /// asks for what is farther than the pane.
+    /// Whether rays also meet what is behind panes ([`cabins`](schema::geometry::Snapshot::cabins)). A caller
+    /// that has met a pane asks for what is farther than the pane.
     pub cabins: bool,
 }
 
@@ -74,7 +76,8 @@ impl Stipple {
         Self { opaque: a as u8 | (b as u8) << 1 | (c as u8) << 2 | (d as u8) << 3 }
     }
 
-    /// A row of the pattern: its lowest bit is 1 where panes are opaque at even columns, the next bit the same for odd ones.
+    /// A row of the pattern: its lowest bit is 1 where panes are opaque at even columns, the next bit the
+    /// same for odd ones.
     #[must_use]
     #[inline]
     pub const fn row(self, y: u32) -> u32 {

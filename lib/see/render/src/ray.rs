@@ -9,8 +9,8 @@ use crate::buffer::SKY;
 pub struct RayBatch<'a> {
     /// Where they start, metres.
     pub origin: Vec3,
-    /// Where they go; unit length, so that distances are metres. The closer together neighbours of this list are, the
-    /// faster they are followed.
+    /// Where they go; unit length, so that distances are metres. The closer together neighbours of this list
+    /// are, the faster they are followed.
     pub directions: &'a [Vec3],
     /// Nearest (not negative) and farthest distance seen, metres; the second may be infinite.
     pub range_m: [f32; 2],

@@ -150,7 +150,8 @@ impl<'v, 'a> SurfaceTriangle<'v, 'a> {
         Bend::new(mesh.corners(self.triangle as usize), normals, &self.view.to_local, side)
     }
 
-    /// The share of the light of sky and ground that reaches its corners past its own body; `None` where that is all.
+    /// The share of the light of sky and ground that reaches its corners past its own body; `None` where that
+    /// is all.
     #[must_use]
     pub fn open(&self) -> Option<[f32; 3]> {
         let open = self.view.mesh.corner_visibility.get(self.triangle as usize)?;
@@ -212,7 +213,8 @@ pub struct Surfaces<'a> {
     buffer: &'a VisibilityBuffer,
     /// Number of the first of what stands behind panes.
     first_behind: u32,
-    /// By instance, and after them what stands behind panes; none for those whose mesh the snapshot does not hold.
+    /// By instance, and after them what stands behind panes; none for those whose mesh the snapshot does not
+    /// hold.
     views: Vec<Option<View<'a>>>,
 }
 
@@ -233,7 +235,8 @@ impl<'a> Surfaces<'a> {
         Some(facet.point(self.buffer.direction_optical(x, y), self.buffer.depth_m[index]))
     }
 
-    /// Calls `each(columns, facet)` for every span of a row, in order: neighbours that see one triangle, or the sky (`None`).
+    /// Calls `each(columns, facet)` for every span of a row, in order: neighbours that see one triangle, or
+    /// the sky (`None`).
     pub fn for_each_span(&self, y: u32, mut each: impl FnMut(Range<u32>, Option<&SurfaceTriangle<'_, 'a>>)) {
         let start = self.buffer.index(0, y);
         let end = start + self.buffer.width as usize;
@@ -255,8 +258,8 @@ impl<'a> Surfaces<'a> {
         instance >= self.first_behind
     }
 
-    /// A triangle of an instance (or of what stands behind panes, as [`Snapshot::behind`] numbers them) as the camera sees it;
-    /// `None` where there is no such.
+    /// A triangle of an instance (or of what stands behind panes, as [`Snapshot::behind`] numbers them) as
+    /// the camera sees it; `None` where there is no such.
     #[must_use]
     pub fn facet(&self, instance: u32, triangle: u32) -> Option<SurfaceTriangle<'_, 'a>> {
         SurfaceTriangle::new(self.views.get(instance as usize)?.as_ref()?, instance, triangle)

@@ -1,4 +1,5 @@
-//! Draws the ground of a map as a driver has it: `cargo run -p convoy-sensors --example ground -- OUT.jpg MAP.xodr X Y YAW_DEG [HEIGHT [DOWN_DEG]]`.
+//! Draws the ground of a map as a driver has it:
+//! `cargo run -p convoy-sensors --example ground -- OUT.jpg MAP.xodr X Y YAW_DEG [HEIGHT [DOWN_DEG]]`.
 
 mod stage;
 

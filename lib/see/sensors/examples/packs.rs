@@ -1,5 +1,6 @@
-//! Draws the models of a pack: `cargo run -p convoy-sensors --example packs -- PACK FOLDER`. Of vehicles and things three sides, of
-//! pedestrians a strip of eight phases of a walk and of a run from the side, and one of them near by.
+//! Draws the models of a pack: `cargo run -p convoy-sensors --example packs -- PACK FOLDER`. Of vehicles and
+//! things three sides, of pedestrians a strip of eight phases of a walk and of a run from the side, and one
+//! of them near by.
 
 mod stage;
 

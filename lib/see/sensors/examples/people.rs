@@ -1,5 +1,6 @@
-//! Draws people: `cargo run -p convoy-sensors --example people -- FOLDER`. One sheet for each model with all of its looks from the
-//! front, the side and the back, a strip of eight phases of a walk and of a run from the side, people on benches, and riders.
+//! Draws people: `cargo run -p convoy-sensors --example people -- FOLDER`. One sheet for each model with all
+//! of its looks from the front, the side and the back, a strip of eight phases of a walk and of a run from
+//! the side, people on benches, and riders.
 
 mod stage;
 
@@ -77,7 +78,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Two on each of four benches, from before and from the side: those of each model who are dressed so as to sit, in turn.
+/// Two on each of four benches, from before and from the side: those of each model who are dressed so as to
+/// sit, in turn.
 fn benches(people: &[&Model], folder: &Path) -> Result<(), Box<dyn Error>> {
     let sits = |model: &&&Model| model.special == Special::None && model.name != "walker.child";
     let mut all: Vec<(&Model, u32)> = Vec::new();

@@ -1,4 +1,5 @@
-//! Draws fast traffic on a wet street, through drops on the lens, at some frames: `cargo run -p convoy-sensors --example rain -- FOLDER`.
+//! Draws fast traffic on a wet street, through drops on the lens, at some frames:
+//! `cargo run -p convoy-sensors --example rain -- FOLDER`.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -19,7 +20,8 @@ use sensors::{AgentState, Cameras, GeoOrigin, Motion, Observation, Sensor, Senso
 use settings::{CameraSettings, CameraSpec, Mount, Rig};
 use shading::{CpuPainter, FrameWeather};
 
-/// Model, place along and across the street, speed (metres a second), and whether it comes towards the camera.
+/// Model, place along and across the street, speed (metres a second), and whether it comes towards the
+/// camera.
 const TRAFFIC: [(&str, f32, f32, f32, bool); 4] = [
     ("car.sedan", 12.0, -1.8, 24.0, false),
     ("truck.box", 34.0, -1.8, 22.0, false),

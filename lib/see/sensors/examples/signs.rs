@@ -1,4 +1,5 @@
-//! Draws the boards of signs: `cargo run -p convoy-sensors --example signs -- FOLDER`. From near by, and as a driver has them 20 and 40 m away.
+//! Draws the boards of signs: `cargo run -p convoy-sensors --example signs -- FOLDER`. From near by, and as a
+//! driver has them 20 and 40 m away.
 
 mod stage;
 

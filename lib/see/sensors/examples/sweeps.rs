@@ -1,4 +1,5 @@
-//! Draws lidar sweeps of a street from above: `cargo run -p convoy-sensors --release --example sweeps -- FOLDER`.
+//! Draws lidar sweeps of a street from above:
+//! `cargo run -p convoy-sensors --release --example sweeps -- FOLDER`.
 
 #[path = "../tests/common/mod.rs"]
 mod common;
@@ -59,8 +60,8 @@ fn sweep(scene: &dyn Scene, spec: &LidarSpec, weather: Weather) -> Result<LidarS
     Ok(Lidar::new(spec)?.sweep(scene, &moment, &Stream::new(27, 0, "sweeps", 0))?)
 }
 
-/// Forward is up. The ground is dark; what stands on it goes from blue to red by height; second and third returns are white,
-/// rain is cyan, fog magenta.
+/// Forward is up. The ground is dark; what stands on it goes from blue to red by height; second and third
+/// returns are white, rain is cyan, fog magenta.
 fn draw(path: &Path, sweep: &LidarSweep, per_m: f32) -> Result<(), Box<dyn Error>> {
     let mut rgb = vec![0; 3 * SIDE * SIDE];
     for k in 0..sweep.len() {

@@ -1,6 +1,8 @@
-//! Draws vehicles: `cargo run -p convoy-sensors --example vehicles -- FOLDER [--levels | --cabins] [MODEL ...]`. One sheet for each model: from the
-//! front, the side and the rear (with open doors), or as it is farther away, or without its panes; of each train one in line, in a
-//! bend, and from behind. Prints how many triangles its levels have.
+//! Draws vehicles:
+//! `cargo run -p convoy-sensors --example vehicles -- FOLDER [--levels | --cabins] [MODEL ...]`. One sheet
+//! for each model: from the front, the side and the rear (with open doors), or as it is farther away, or
+//! without its panes; of each train one in line, in a bend, and from behind. Prints how many triangles its
+//! levels have.
 
 mod stage;
 

@@ -22,10 +22,11 @@ struct Scatter {
 
 /// Cross-section of the patch that a ray stands for, square metres.
 ///
-/// A patch that fills a solid angle `w` at distance `d` and is met at an angle `a` has the area `w d^2 / cos a`. What it scatters
-/// diffusely gives it `4 r cos^2 a` for each square metre. What it scatters into a lobe `((1 + cos p) / 2)^n` about the mirrored
-/// direction (p off it; Degli-Esposti and others, "Measurement and modelling of scattering from buildings", IEEE Transactions on
-/// Antennas and Propagation 55, 2007, the directive model) is, `2 a` off it and with the lobe's integral `4 pi / (n + 1)`,
+/// A patch that fills a solid angle `w` at distance `d` and is met at an angle `a` has the area
+/// `w d^2 / cos a`. What it scatters diffusely gives it `4 r cos^2 a` for each square metre. What it scatters
+/// into a lobe `((1 + cos p) / 2)^n` about the mirrored direction (p off it; Degli-Esposti and others,
+/// "Measurement and modelling of scattering from buildings", IEEE Transactions on Antennas and Propagation
+/// 55, 2007, the directive model) is, `2 a` off it and with the lobe's integral `4 pi / (n + 1)`,
 /// `s (n + 1) cos a cos^(2 n) a`. Cross-sections of the rays that met an object add up to its own.
 pub(crate) fn cross_section_m2(part: &MeshPart, solid_angle_sr: f64, range_m: f64, cos_angle: f64) -> f64 {
     let Scatter { diffuse, lobe, narrow } = scatter(part);
@@ -39,8 +40,8 @@ pub(crate) fn dbsm(cross_section_m2: f64) -> f64 {
     if cross_section_m2 > 0.0 { (10.0 * math::log10(cross_section_m2)).max(FLOOR_DB) } else { FLOOR_DB }
 }
 
-/// Signal to noise by the radar equation: `at_reference_db` for a square metre at [`REFERENCE_M`], 40 dB less for each tenfold
-/// distance.
+/// Signal to noise by the radar equation: `at_reference_db` for a square metre at [`REFERENCE_M`], 40 dB less
+/// for each tenfold distance.
 pub(crate) fn snr_db(at_reference_db: f64, rcs_dbsm: f64, range_m: f64) -> f64 {
     let way_db = 40.0 * math::log10(range_m.max(1e-3) / REFERENCE_M);
     (at_reference_db + rcs_dbsm - way_db).max(FLOOR_DB)
@@ -48,8 +49,8 @@ pub(crate) fn snr_db(at_reference_db: f64, rcs_dbsm: f64, range_m: f64) -> f64 {
 
 /// Solid angle that a ray of an elliptic cone stands for, steradian.
 ///
-/// A ray ends on the plane one metre ahead at `(w r cos phi, h r sin phi)`, with `r` and `phi` drawn evenly: `n` rays are
-/// `n / (2 pi w h r)` a square metre there. `r` is kept from 0, where they are infinitely dense.
+/// A ray ends on the plane one metre ahead at `(w r cos phi, h r sin phi)`, with `r` and `phi` drawn evenly:
+/// `n` rays are `n / (2 pi w h r)` a square metre there. `r` is kept from 0, where they are infinitely dense.
 pub(crate) fn solid_angle_sr(half_width: f64, half_height: f64, radius: f64, rays: u32, along: f64) -> f64 {
     let rays = f64::from(rays.max(1));
     let patch = std::f64::consts::TAU * half_width * half_height * radius.max(0.5 / rays) / rays;
@@ -72,10 +73,11 @@ pub(crate) fn solid_angle_sr(half_width: f64, half_height: f64, radius: f64, ray
 /// | leaves, grass | 0.04, 0, - | |
 /// | roads | 0.02, 0, - | met at grazing angles, smooth |
 ///
-/// A person comes to -8 dBsm so, which is the mean of measured ones (Fortuny-Guasch and Chareau, "Radar cross section measurements of
-/// pedestrian dummies and humans in the 24/77 GHz frequency bands", JRC, EUR 25762, 2013). The rest are assumptions: round figures
-/// by which a saloon has 14 dBsm from the side, 7 from the rear, 3 from the front and 2.5 from between front and side, averaged over 10
-/// degrees. Nothing is followed from face to face, so that corners and hollows, which make real ends of cars brighter, do not. Bumpers
+/// A person comes to -8 dBsm so, which is the mean of measured ones (Fortuny-Guasch and Chareau, "Radar cross
+/// section measurements of pedestrian dummies and humans in the 24/77 GHz frequency bands", JRC, EUR 25762,
+/// 2013). The rest are assumptions: round figures by which a saloon has 14 dBsm from the side, 7 from the
+/// rear, 3 from the front and 2.5 from between front and side, averaged over 10 degrees. Nothing is followed
+/// from face to face, so that corners and hollows, which make real ends of cars brighter, do not. Bumpers
 /// that are painted count as skin: the beam behind them sends back what they let through.
 fn scatter(part: &MeshPart) -> Scatter {
     let of = |diffuse, lobe, narrow| Scatter { diffuse, lobe, narrow };
@@ -167,7 +169,8 @@ mod tests {
 
     #[test]
     fn rays_share_out_the_cone() {
-        // A narrow cone: an ellipse of half sides 0.01 and 0.005 at a metre. Radii at the middle of 1000 even steps.
+        // A narrow cone: an ellipse of half sides 0.01 and 0.005 at a metre. Radii at the middle of 1000 even
+        // steps.
         let sum: f64 =
             (0..1000).map(|k| solid_angle_sr(0.01, 0.005, (f64::from(k) + 0.5) / 1000.0, 1000, 1.0)).sum();
         assert!((sum - std::f64::consts::PI * 0.01 * 0.005).abs() < 1e-9, "{sum}");

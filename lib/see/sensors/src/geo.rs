@@ -19,8 +19,8 @@ pub struct GeoOrigin {
 impl GeoOrigin {
     /// Latitude and longitude in degrees and altitude in metres of a world point.
     ///
-    /// Spherical Mercator scaled by the cosine of the origin's latitude, so that a metre of the map is a metre
-    /// at the origin: east is the world's x, north its y.
+    /// Spherical Mercator scaled by the cosine of the origin's latitude, so that a metre of the map is a
+    /// metre at the origin: east is the world's x, north its y.
     #[must_use]
     pub fn geodetic_from_world(&self, world_xyz_m: [f64; 3]) -> [f64; 3] {
         let scaled_radius_m = EARTH_RADIUS_M * math::cos(frames::deg(self.latitude_deg));

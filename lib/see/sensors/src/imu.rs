@@ -19,10 +19,10 @@ const GRAVITY_MPS2: f64 = 9.81;
 
 /// One reading, with noise and bias, in the sensor's frame (FLU, right-handed).
 ///
-/// The acceleration is the change of the sensor's velocity over the last frame period; what is measured is the
-/// specific force, which at rest is 9.81 m/s2 upwards. Without a `previous` motion (the first frame of a log that
-/// does not reach back) the velocity is taken to be steady. The compass is the heading of the agent's x axis,
-/// clockwise from north (+y), and has no noise.
+/// The acceleration is the change of the sensor's velocity over the last frame period; what is measured is
+/// the specific force, which at rest is 9.81 m/s2 upwards. Without a `previous` motion (the first frame of a
+/// log that does not reach back) the velocity is taken to be steady. The compass is the heading of the
+/// agent's x axis, clockwise from north (+y), and has no noise.
 #[must_use]
 pub fn imu(
     spec: &ImuSpec,

@@ -1,17 +1,17 @@
 //! Sensors: cameras (colour, semantic, instance, depth, flow), lidar, radar, GNSS, IMU.
 //!
-//! Everything is computed from what a [`render::Renderer`] sees in one snapshot of the world, so that images, points and
-//! labels agree to the triangle. Nothing here reads or writes files: readings are table rows.
+//! Everything is computed from what a [`render::Renderer`] sees in one snapshot of the world, so that images,
+//! points and labels agree to the triangle. Nothing here reads or writes files: readings are table rows.
 //!
-//! * An [`Observation`] holds what the sensors of one agent are given at one frame. [`see`] looks through cameras; each
-//!   kind of [`Image`] is read from a [`Sight`]. Colour is put into it by a [`Painter`], the second, optional
-//!   seam beside [`render::Renderer`].
+//! * An [`Observation`] holds what the sensors of one agent are given at one frame. [`see`] looks through
+//!   cameras; each kind of [`Image`] is read from a [`Sight`]. Colour is put into it by a [`Painter`], the
+//!   second, optional seam beside [`render::Renderer`].
 //! * [`Lidar`] holds a lidar's rays; [`Lidar::sweep`] follows them. [`radar`] draws and follows a radar's.
 //! * [`gnss`] and [`imu`] need only the agent's motion.
 //! * Every sensor of a rig is a [`Sensor`]; [`visit_sensors`] shows them all.
 //!
-//! Random numbers are read by frame and ray from the stream that the caller names, so readings do not depend on
-//! threads or on which frames were made before.
+//! Random numbers are read by frame and ray from the stream that the caller names, so readings do not depend
+//! on threads or on which frames were made before.
 //!
 //! ```
 //! use std::sync::Arc;

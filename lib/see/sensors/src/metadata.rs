@@ -10,7 +10,8 @@ pub fn sensor_metadata(name: &str, mount: &Mount, every_n_frames: u32) -> String
     text(&calibration(name, "flu", &mount.agent_from_sensor(), every_n_frames))
 }
 
-/// The same for a camera, whose pose is that of its optical frame (x right, y down, z forward), with size and intrinsics.
+/// The same for a camera, whose pose is that of its optical frame (x right, y down, z forward), with size and
+/// intrinsics.
 #[must_use]
 pub fn camera_metadata(camera: &CameraSpec, settings: &CameraSettings) -> String {
     let agent_from_optical = camera.mount.agent_from_sensor() * frames::flu_from_optical();

@@ -38,7 +38,8 @@ pub struct Observation<'a> {
     pub agent: AgentState,
     /// The weather.
     pub weather: Weather,
-    /// What the cameras of the rig see, in the rig's order; empty when no images are wanted, or none at this frame.
+    /// What the cameras of the rig see, in the rig's order; empty when no images are wanted, or none at this
+    /// frame.
     pub sights: Vec<Sight>,
     /// What rays met that several lidars of the agent fire.
     pub(crate) scans: Vec<SharedScan>,
@@ -68,8 +69,8 @@ impl<'a> Observation<'a> {
         Ok(Self { frame: when.frame, scene, agent, weather: when.weather, sights, scans: Vec::new() })
     }
 
-    /// Follows the rays that several lidars of the agent fire once for all of them. Without it each follows its own; what they
-    /// sense is the same.
+    /// Follows the rays that several lidars of the agent fire once for all of them. Without it each follows
+    /// its own; what they sense is the same.
     ///
     /// # Errors
     /// The renderer failed.

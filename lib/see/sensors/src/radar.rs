@@ -17,7 +17,8 @@ use crate::observation::Observation;
 use crate::sensor::{Amount, Layout, Sensor, SensorContext, SensorTable};
 use crate::surface_hit::SurfaceHit;
 
-/// Rays may start within the agent's own body; each surface of it that is passed costs one more trace of those that did.
+/// Rays may start within the agent's own body; each surface of it that is passed costs one more trace of
+/// those that did.
 const OWN_SURFACES: usize = 8;
 /// Distance behind a surface of the agent's own body from which a ray goes on, metres.
 const STEP_M: f32 = 1e-3;
@@ -58,10 +59,10 @@ pub struct RadarReturns {
 
 /// One reading of a radar.
 ///
-/// Each ray ends at `(range, range tan(h / 2) r cos phi, range tan(v / 2) r sin phi)` in the sensor frame, with `r`
-/// and `phi` drawn evenly: an elliptic cone, denser at its axis. Ray `i` of frame `f` reads the random words at
-/// `f << 32 | i`. Velocities are those of the bodies hit and of the sensor over the last frame period; with
-/// [`RadarSpec::micro_motion`] those of the very surfaces, wheels and limbs too.
+/// Each ray ends at `(range, range tan(h / 2) r cos phi, range tan(v / 2) r sin phi)` in the sensor frame,
+/// with `r` and `phi` drawn evenly: an elliptic cone, denser at its axis. Ray `i` of frame `f` reads the
+/// random words at `f << 32 | i`. Velocities are those of the bodies hit and of the sensor over the last
+/// frame period; with [`RadarSpec::micro_motion`] those of the very surfaces, wheels and limbs too.
 ///
 /// # Errors
 /// The renderer failed.
@@ -152,8 +153,8 @@ impl FromIterator<Return> for RadarReturns {
     }
 }
 
-/// How far a point of a part has moved in the last frame period, as a point of what is now at the one and was before at the
-/// other of two poses, local frame, metres.
+/// How far a point of a part has moved in the last frame period, as a point of what is now at the one and was
+/// before at the other of two poses, local frame, metres.
 fn way_of([now, before]: [&Affine3A; 2], part: &Instance, position_part: Vec3) -> Vec3 {
     let place = if part.local_from_object == *now {
         position_part

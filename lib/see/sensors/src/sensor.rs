@@ -59,8 +59,8 @@ pub trait Sensor: Send + Sync + 'static {
     /// Its table.
     fn table(&self) -> SensorTable;
 
-    /// Its rows of one frame. Frames may be asked for in any order and at the same time: the answer depends on the
-    /// observation alone.
+    /// Its rows of one frame. Frames may be asked for in any order and at the same time: the answer depends
+    /// on the observation alone.
     ///
     /// # Errors
     /// The renderer failed, or an encoder refused.

@@ -42,7 +42,8 @@ fn row(snapshot: &Snapshot, settings: &CameraSettings) -> Vec<f64> {
 
 #[test]
 fn what_moves_covers_each_place_for_its_share_of_the_time() {
-    // A pixel is a 190.7th of the distance; the board comes 20 pixels in a frame, and half of that while the shutter is open.
+    // A pixel is a 190.7th of the distance; the board comes 20 pixels in a frame, and half of that while the
+    // shutter is open.
     let focal = 0.5 * f64::from(WIDTH) / frames::math::tan(frames::deg(40.0));
     let moved_m = (20.0 * 10.0 / focal) as f32;
     let sharp = row(&passing(moved_m), &settings());
@@ -78,7 +79,8 @@ fn still_pictures_stay_as_they_are() {
 
 #[test]
 fn edges_out_of_focus_are_as_wide_as_their_discs() {
-    // Set to the wall behind: a point of the board becomes a disc of 40 mm (1 / 10 - 1 / 40) times the focal length.
+    // Set to the wall behind: a point of the board becomes a disc of 40 mm (1 / 10 - 1 / 40) times the focal
+    // length.
     let lens = CameraSettings { aperture_mm: 40.0, focus_m: 40.0, ..settings() };
     let blurred = row(&passing(0.0), &lens);
     let (white, black) = (blurred[160], blurred[20]);

@@ -173,7 +173,8 @@ fn depth_decodes_to_the_buffer() {
         assert!((decode_depth_m(*p) - want).abs() <= 1000.0 / 16_777_216.0);
     }
     for image in [&semantic, &instance, &depth] {
-        // Byte 24 of a PNG is the bit depth, byte 25 the kind of colour: 2 is red, green, blue without a palette.
+        // Byte 24 of a PNG is the bit depth, byte 25 the kind of colour: 2 is red, green, blue without a
+        // palette.
         assert_eq!(image[24..26], [8, 2]);
     }
     // Semantic colours name the same tags as the instance image.

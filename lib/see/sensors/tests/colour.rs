@@ -172,9 +172,9 @@ fn street_lamps_and_windows_shine_as_told() {
 
 /// A picture looks as it did when somebody last looked at it.
 ///
-/// `tests/data/street.png` is the hand-made street on a clear day, made by this test with `CONVOY_ACCEPT=1`. Values may
-/// differ by two levels, which is what two painters may; one in 500 by more, where the smoothing of edges decides
-/// otherwise.
+/// `tests/data/street.png` is the hand-made street on a clear day, made by this test with `CONVOY_ACCEPT=1`.
+/// Values may differ by two levels, which is what two painters may; one in 500 by more, where the smoothing
+/// of edges decides otherwise.
 #[test]
 fn the_street_looks_as_it_did() {
     let weather = Weather {

@@ -1,4 +1,5 @@
-//! Settings and worlds that make no sense, and renderers that fail: answered by errors or readings, never by panics.
+//! Settings and worlds that make no sense, and renderers that fail: answered by errors or readings, never by
+//! panics.
 
 mod common;
 

@@ -13,7 +13,8 @@ use shading::Picture;
 
 const SHELL: u16 = 7;
 
-/// In the dark, a shell of glass ten metres ahead; behind it a wall that glows, and within it, to the right, a block that does.
+/// In the dark, a shell of glass ten metres ahead; behind it a wall that glows, and within it, to the right,
+/// a block that does.
 fn shell(glowing: bool) -> Snapshot {
     let lit = |mesh, object, pose| Instance {
         lights: if glowing { lights::STREET_LAMP } else { 0 },
@@ -48,7 +49,8 @@ fn light_passes_each_pane() {
     let through = seen(&shell(true)).picture.expect("in colour");
     let bare = Snapshot { instances: shell(true).instances.split_off(1), cabins: Vec::new(), ..shell(true) };
     let bare = seen(&bare).picture.expect("in colour");
-    // Right of the middle the block is behind one pane, left of it the wall behind two; at the edge nothing is before the wall.
+    // Right of the middle the block is behind one pane, left of it the wall behind two; at the edge nothing
+    // is before the wall.
     let ratio = |x: f64| film(&through, x)[1] / film(&bare, x)[1];
     assert!((ratio(0.02) - 1.0).abs() < 0.01, "{}", ratio(0.02));
     // A pane mirrors some six percent of the dark sky's light, which is none.
@@ -75,7 +77,8 @@ fn open_doors_take_no_light() {
     let bare = seen(&bare).picture.expect("in colour");
     for turn in [0.0, 0.6] {
         let through = seen(&opened(turn)).picture.expect("in colour");
-        // Beside the opening the side is dark; in it the wall and the block shine as if nothing was before them.
+        // Beside the opening the side is dark; in it the wall and the block shine as if nothing was before
+        // them.
         assert!(film(&through, 0.36)[1] < 0.05 * film(&bare, 0.36)[1], "{turn}");
         for x in [0.45, 0.545] {
             let ratio = film(&through, x)[1] / film(&bare, x)[1];
@@ -88,7 +91,8 @@ fn open_doors_take_no_light() {
 
 #[test]
 fn half_of_the_sun_passes_panes_that_one_sees_through() {
-    // A sheet of glass high over white ground, and a sun right above: what is under its middle is in its shadow.
+    // A sheet of glass high over white ground, and a sun right above: what is under its middle is in its
+    // shadow.
     let scene = |behind: bool| {
         let scene = snapshot(
             vec![

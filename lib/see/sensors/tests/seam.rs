@@ -114,7 +114,8 @@ fn all_sensors_read_the_same_through_another_renderer() {
     assert_eq!(ours.len(), 2 * ImageKind::ALL.len() + 2 + 4 + 2 + 1);
     for ((name, ours), (other, theirs)) in ours.iter().zip(&theirs) {
         assert_eq!(name, other);
-        // JPEG spreads a level over a block, and depth's lowest bits are below f32: compared below and by ids.
+        // JPEG spreads a level over a block, and depth's lowest bits are below f32: compared below and by
+        // ids.
         let coarse = name.starts_with("RGB") || name.starts_with("DPT");
         let same = ours.iter().zip(theirs).all(|(a, b)| coarse || alike(a, b));
         assert!(same && !ours[0].is_empty(), "{name}");

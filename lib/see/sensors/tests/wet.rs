@@ -28,7 +28,8 @@ fn soaked() -> Weather {
     }
 }
 
-/// Asphalt, and over it a board that faces the camera: how far away, its left and right end, its lower and upper one.
+/// Asphalt, and over it a board that faces the camera: how far away, its left and right end, its lower and
+/// upper one.
 fn board([away_m, left_m, right_m, low_m, high_m]: [f32; 5], rgb: [f32; 3]) -> Snapshot {
     let mut ground = Builder::default();
     let part = ground.part(Tag::Road, Surface::Asphalt, [0.1; 3]);
@@ -167,7 +168,8 @@ fn who_drives_fast_on_a_wet_road_trails_spray_and_labels_do_not_know_it() {
         let count = changed(&drives, &stands);
         assert!((least..=most).contains(&count), "{came_m}: {count}");
         assert!(buffer.instance == other.instance && buffer.depth_m == other.depth_m);
-        // Dark asphalt behind it becomes lighter; above nothing changes, and far to the side as good as nothing.
+        // Dark asphalt behind it becomes lighter; above nothing changes, and far to the side as good as
+        // nothing.
         let mean = |rgb: &[u8], rows: std::ops::Range<usize>, columns: std::ops::Range<usize>| {
             let (mut sum, mut count) = (0.0, 0.0);
             for row in rows {

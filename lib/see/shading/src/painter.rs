@@ -16,10 +16,11 @@ pub struct Shot<'a> {
     pub seen: &'a VisibilityBuffer,
 }
 
-/// Paints colour pictures of one scene from what a renderer saw: the second seam, which a renderer need not fill.
+/// Paints colour pictures of one scene from what a renderer saw: the second seam, which a renderer need not
+/// fill.
 ///
-/// A painter owns the lights of its scene (skies by frame, shadow maps by frame and place). Pictures of two painters may
-/// differ by two levels a channel; a dataset is painted by one.
+/// A painter owns the lights of its scene (skies by frame, shadow maps by frame and place). Pictures of two
+/// painters may differ by two levels a channel; a dataset is painted by one.
 pub trait Painter: Send + Sync {
     /// A picture for each shot, in their order. All were taken near `place_local` (the agent's origin, in the
     /// snapshot's local frame) at one frame.
@@ -42,8 +43,8 @@ pub struct CpuPainter<'a> {
 }
 
 impl<'a> CpuPainter<'a> {
-    /// A painter that keeps what lights see of what stands still; the renderer has the world's meshes. (The default keeps
-    /// nothing: its scenes may be of any world.)
+    /// A painter that keeps what lights see of what stands still; the renderer has the world's meshes. (The
+    /// default keeps nothing: its scenes may be of any world.)
     #[must_use]
     pub fn new(renderer: &'a dyn Renderer, world: &'a dyn StillWorld) -> Self {
         Self { lights: SceneLights::over(renderer, world) }

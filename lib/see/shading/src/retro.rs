@@ -2,10 +2,11 @@
 
 use simd::{F32x8, Vec3x8};
 
-/// Light that comes in within this angle of straight on is sent back in full (cosine of 30 degrees), and none beyond the other (of 75).
+/// Light that comes in within this angle of straight on is sent back in full (cosine of 30 degrees), and none
+/// beyond the other (of 75).
 ///
-/// Sheeting of class RA2 of EN 12899-1 has 180, 100 and 95 cd/(lx m2) at 5, 30 and 40 degrees, and what a lidar reads of it is beyond
-/// white at any of these. The even way down from there is an assumption.
+/// Sheeting of class RA2 of EN 12899-1 has 180, 100 and 95 cd/(lx m2) at 5, 30 and 40 degrees, and what a
+/// lidar reads of it is beyond white at any of these. The even way down from there is an assumption.
 const FULL_COS: f32 = 0.866_025_4;
 /// See [`FULL_COS`].
 const NONE_COS: f32 = 0.258_819_05;
@@ -15,14 +16,15 @@ pub fn share(cos_angle: f32) -> f32 {
     ((cos_angle - NONE_COS) / (FULL_COS - NONE_COS)).clamp(0.0, 1.0)
 }
 
-/// Retro-reflection where lamp and eye are in one place, cd/(lx m2), and the angle between them at which a half is left, radians: a
-/// curve through EN 12899-1's 250, 180 and 5 of white RA2 sheeting at 0.2, 0.33 and 2 degrees.
+/// Retro-reflection where lamp and eye are in one place, cd/(lx m2), and the angle between them at which a
+/// half is left, radians: a curve through EN 12899-1's 250, 180 and 5 of white RA2 sheeting at 0.2, 0.33 and
+/// 2 degrees.
 const AT_THE_LAMP: f32 = 280.0;
 /// See [`AT_THE_LAMP`].
 const HALF_RAD: f32 = 0.4 * std::f32::consts::PI / 180.0;
 
-/// How much brighter than white paint sheeting shows a lamp's light to an eye: by unit vectors from it to both, and the cosine of the
-/// angle between its normal and the lamp.
+/// How much brighter than white paint sheeting shows a lamp's light to an eye: by unit vectors from it to
+/// both, and the cosine of the angle between its normal and the lamp.
 #[inline]
 pub fn gain(to_lamp: &Vec3x8, to_eye: &Vec3x8, cos_angle: F32x8) -> F32x8 {
     let apart = *to_lamp - *to_eye;

@@ -18,8 +18,9 @@ use crate::pool::{SpawnPoint, SpawnPool};
 
 /// Colour of an RSU's body (sRGB).
 const RSU_COLOR: [u8; 3] = [190, 190, 190];
-/// How far an RSU stands from the foot of its signal's pole, towards the junction, metres. The published value is
-/// 0.2 m; the housing of a roadside light reaches further, and the lidar at 3.2 m would sit inside it.
+/// How far an RSU stands from the foot of its signal's pole, towards the junction, metres. The published
+/// value is 0.2 m; the housing of a roadside light reaches further, and the lidar at 3.2 m would sit inside
+/// it.
 const RSU_STEP_M: f64 = 0.6;
 /// Files give a pole two signals: RSUs nearer to each other than this would stand in one another, metres.
 const RSU_APART_M: f64 = 0.5;
@@ -44,8 +45,8 @@ pub(crate) struct Placement {
     pub(crate) warnings: Vec<String>,
 }
 
-/// Radius of a cluster of `count` vehicles that could stand `spacing_m` apart on its circle, metres. One vehicle gets
-/// the spacing itself (the formula would give infinity).
+/// Radius of a cluster of `count` vehicles that could stand `spacing_m` apart on its circle, metres. One
+/// vehicle gets the spacing itself (the formula would give infinity).
 pub(crate) fn cluster_radius_m(spacing_m: f64, count: usize) -> f64 {
     if count < 2 { spacing_m } else { spacing_m / sin(PI / count as f64) }
 }
@@ -140,8 +141,8 @@ fn clear_start(
     moves.filter_map(usable).find(clear)
 }
 
-/// Whether two vehicles' footprints come nearer than the clearance: the bounding rectangle of `b` in the frame of `a`
-/// against `a` (so a little too careful for vehicles askew).
+/// Whether two vehicles' footprints come nearer than the clearance: the bounding rectangle of `b` in the
+/// frame of `a` against `a` (so a little too careful for vehicles askew).
 fn overlap(a: &SpawnPoint, a_size: [f64; 3], b: &SpawnPoint, b_size: [f64; 3]) -> bool {
     let away = b.xyz_m - a.xyz_m;
     if away.z.abs() > DECK_M {
@@ -223,7 +224,8 @@ struct Pole {
     signal: String,
 }
 
-/// RSUs at the traffic lights of signalised junctions near the vehicles; warns when there are fewer than wished for.
+/// RSUs at the traffic lights of signalised junctions near the vehicles; warns when there are fewer than
+/// wished for.
 pub(crate) fn place_rsus(
     map: &Map,
     placement: &mut Placement,

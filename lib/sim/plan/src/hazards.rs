@@ -1,7 +1,7 @@
 //! Where accidents and road works lie.
 //!
-//! A hazard takes up one lane from its back (upstream) to its front. How many are tried is fixed by the number of
-//! places; whether a try finds room is not.
+//! A hazard takes up one lane from its back (upstream) to its front. How many are tried is fixed by the
+//! number of places; whether a try finds room is not.
 
 use catalogue::{Catalogue, Model, fleet};
 use nalgebra::Point3;
@@ -20,7 +20,8 @@ const FIRST_ITEM_M: f64 = 2.0;
 /// Way to the next item after a small one, and after a large one or a worker, metres.
 const SMALL_STEP_M: [f64; 2] = [0.4, 1.6];
 const LARGE_STEP_M: [f64; 2] = [1.6, 3.2];
-/// What comes next in road works, all equally likely: this many small things, large things and workers, or the end.
+/// What comes next in road works, all equally likely: this many small things, large things and workers, or
+/// the end.
 const SMALL: usize = 19;
 const LARGE: usize = 7;
 
@@ -54,7 +55,8 @@ enum What {
 
 /// The hazards of a scene and how many were tried.
 ///
-/// Every try has a stream of its own (`stream` gives it by number): one more place moves no other try's draws.
+/// Every try has a stream of its own (`stream` gives it by number): one more place moves no other try's
+/// draws.
 pub(crate) fn plan_hazards(
     here: &Surroundings<'_>,
     settings: &HazardSettings,

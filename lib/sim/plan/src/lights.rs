@@ -16,8 +16,9 @@ pub(crate) struct Lights {
 
 /// Draws what happens to the lights; nothing does where the sun stays up.
 ///
-/// The common change of all street lamps is uniform within their mean flux, which is the nominal one: every scene
-/// starts from it anew. `high_ground`: the map lies high above its zero level; its buildings keep their colour.
+/// The common change of all street lamps is uniform within their mean flux, which is the nominal one: every
+/// scene starts from it anew. `high_ground`: the map lies high above its zero level; its buildings keep their
+/// colour.
 pub(crate) fn plan_lights(
     settings: &LightSettings,
     [initial, last]: &[Weather; 2],

@@ -50,8 +50,8 @@ impl SpawnPool {
         Self { points, lanes }
     }
 
-    /// The points that a user gave for a map, each on the centre line of the driving lane outside junctions that is
-    /// nearest among those that run its way.
+    /// The points that a user gave for a map, each on the centre line of the driving lane outside junctions
+    /// that is nearest among those that run its way.
     ///
     /// # Errors
     /// There is no such lane within 5 m.

@@ -54,13 +54,13 @@ pub struct Roster {
     pub warnings: Vec<String>,
 }
 
-/// Gives every wished-for scene a number. `existing` are the slots of an earlier roster and `is_made` says whether
-/// anything was made of one of them.
+/// Gives every wished-for scene a number. `existing` are the slots of an earlier roster and `is_made` says
+/// whether anything was made of one of them.
 ///
-/// Existing scenes count against the wish for their split and map and keep their numbers. What is missing is numbered
-/// from one past the highest: train, val, test, and within each in the order of the settings. Scenes beyond the wish
-/// stay when something was made of them and are forgotten otherwise; a scene is never given another number, split or
-/// map. [`PlanSettings::redraw`] says which scenes are drawn anew.
+/// Existing scenes count against the wish for their split and map and keep their numbers. What is missing is
+/// numbered from one past the highest: train, val, test, and within each in the order of the settings. Scenes
+/// beyond the wish stay when something was made of them and are forgotten otherwise; a scene is never given
+/// another number, split or map. [`PlanSettings::redraw`] says which scenes are drawn anew.
 ///
 /// # Errors
 /// When they are too many to number.

@@ -4,8 +4,8 @@ use random::Stream;
 use schema::FRAME_PERIOD_S;
 use settings::TimingSettings;
 
-/// Recorded time of a scene: whole seconds, uniform before rounding (so the two end values are half as likely as the
-/// others), at least 1.
+/// Recorded time of a scene: whole seconds, uniform before rounding (so the two end values are half as likely
+/// as the others), at least 1.
 pub fn draw_duration_s(timing: &TimingSettings, stream: &mut Stream) -> f64 {
     stream.uniform(timing.min_duration_s, timing.max_duration_s).round_ties_even().max(1.0)
 }
@@ -16,8 +16,8 @@ pub fn frame_count(duration_s: f64) -> u32 {
     (duration_s / FRAME_PERIOD_S).round_ties_even().max(0.0) as u32
 }
 
-/// Distance from a vehicle agent within which background actors start, metres: far enough that an agent meets them
-/// within the scene. 30, 25 or 20 metres per simulated second, fewer in longer scenes.
+/// Distance from a vehicle agent within which background actors start, metres: far enough that an agent meets
+/// them within the scene. 30, 25 or 20 metres per simulated second, fewer in longer scenes.
 #[must_use]
 pub fn background_radius_m(duration_s: f64, warmup_s: f64) -> f64 {
     let metres_per_second = if duration_s <= 12.0 {

@@ -15,8 +15,8 @@ const HIGH_GROUND_FALLOFF: f64 = 20.0;
 
 /// One weather. `high_ground`: the map lies high above its zero level.
 ///
-/// Clouds come first: rain needs them, and so does fog unless the sun is low. Puddles and wetness follow the rain;
-/// wind and sun are independent.
+/// Clouds come first: rain needs them, and so does fog unless the sun is low. Puddles and wetness follow the
+/// rain; wind and sun are independent.
 pub fn draw_weather(stream: &mut Stream, high_ground: bool) -> Weather {
     let notable = |value: f64| if value <= FAINT { 0.0 } else { value };
     let cloudiness = notable(100.0 * stream.beta(0.8, 1.0));

@@ -1,6 +1,6 @@
-//! Full scenes: 400 vehicles and 480 walkers wished for, on a town of ours and, where one is at hand, on a real map; and
-//! the same town with a quarter and a half of them, for how cost grows. Time of 100 or 200 steps (20 times real time is
-//! 2.5 ms a step), and of the preparation alone.
+//! Full scenes: 400 vehicles and 480 walkers wished for, on a town of ours and, where one is at hand, on a
+//! real map; and the same town with a quarter and a half of them, for how cost grows. Time of 100 or 200
+//! steps (20 times real time is 2.5 ms a step), and of the preparation alone.
 
 #[path = "../tests/traffic/common/mod.rs"]
 mod common;
@@ -17,8 +17,8 @@ fn main() {
 /// Vehicles and walkers of a full scene.
 const FULL: [u32; 2] = [400, 480];
 
-/// Simulates a share of a full scene, in hundredths, over some steps. `taken`: how many more background vehicles, in
-/// hundredths, are wished for, as some of the points turn out to be taken.
+/// Simulates a share of a full scene, in hundredths, over some steps. `taken`: how many more background
+/// vehicles, in hundredths, are wished for, as some of the points turn out to be taken.
 fn simulated(bencher: divan::Bencher<'_, '_>, map: &Map, share: u32, taken: u32, steps: u32) {
     let [vehicles, walkers] = FULL.map(|n| n * share / 100);
     let mut scene = common::scene(f64::from(steps) * 0.05);

@@ -1,4 +1,5 @@
-//! The acceleration that a driver wishes for: behind leaders, before lines and walkers, beside those who are passed.
+//! The acceleration that a driver wishes for: behind leaders, before lines and walkers, beside those who are
+//! passed.
 
 use crate::car_following::{COMFORT_BRAKING, Idm};
 use crate::junction::approach::Approach;
@@ -70,7 +71,8 @@ impl Follower<'_> {
         &self.vehicles[self.me]
     }
 
-    /// The wish behind something at a gap that moves at a speed, with a gap at rest and a time gap of its own.
+    /// The wish behind something at a gap that moves at a speed, with a gap at rest and a time gap of its
+    /// own.
     fn following(&self, gap_m: f64, ahead_mps: f64, standstill_gap_m: f64, headway_s: f64) -> f64 {
         let idm = Idm { standstill_gap_m, headway_s, ..self.idm };
         idm.following(self.speed, self.wished, gap_m, ahead_mps)
@@ -120,8 +122,8 @@ impl Follower<'_> {
     }
 }
 
-/// The acceleration a driver wishes for, given what it makes of the junction ahead and the gaps to the bend it must wait
-/// before and to where it would touch somebody or something.
+/// The acceleration a driver wishes for, given what it makes of the junction ahead and the gaps to the bend
+/// it must wait before and to where it would touch somebody or something.
 pub(crate) fn wished_acceleration(
     net: &Net,
     occupancy: &Occupancy,

@@ -1,9 +1,9 @@
-//! Bends so tight that long vehicles need the lane of those who come towards them, too: whoever would touch there waits
-//! before the bend until the other one is through.
+//! Bends so tight that long vehicles need the lane of those who come towards them, too: whoever would touch
+//! there waits before the bend until the other one is through.
 //!
-//! A vehicle holds a bend from when it could hardly stop before it until its rear has left it. Vehicles that have room
-//! beside one another hold it together, so that cars never wait for cars. Who has waited for long goes before those who
-//! would come towards it after.
+//! A vehicle holds a bend from when it could hardly stop before it until its rear has left it. Vehicles that
+//! have room beside one another hold it together, so that cars never wait for cars. Who has waited for long
+//! goes before those who would come towards it after.
 
 use crate::car_following::braking_to_stop;
 use crate::road::net::Net;

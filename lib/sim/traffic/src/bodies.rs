@@ -9,7 +9,8 @@ use rapier3d::pipeline::PhysicsWorld;
 use schema::FRAME_PERIOD_S;
 
 const DT: f32 = FRAME_PERIOD_S as f32;
-/// Bodies hang this high over the road, so that they never touch decks or each other's slopes by rounding, metres.
+/// Bodies hang this high over the road, so that they never touch decks or each other's slopes by rounding,
+/// metres.
 const GROUND_CLEARANCE_M: f32 = 0.1;
 /// Contacts weaker than this are within rounding, N s.
 const MIN_IMPULSE: f32 = 1.0;
@@ -148,7 +149,8 @@ impl Bodies {
         self.insert(ground, yaw_rad, half, mass, owner, [VEHICLE, VEHICLE | WALKER | FIXED | MOVABLE])
     }
 
-    /// Joins two bodies at a place, so many metres ahead of the middle of each: they turn about it, and do not touch each other.
+    /// Joins two bodies at a place, so many metres ahead of the middle of each: they turn about it, and do
+    /// not touch each other.
     pub(crate) fn couple(&mut self, [lead, towed]: [Body; 2], ahead_m: [f64; 2]) {
         // Heights are those of the road under each.
         let joint = GenericJointBuilder::new(JointAxesMask::LIN_X | JointAxesMask::LIN_Y)

@@ -9,8 +9,8 @@ pub(crate) const COMFORT_BRAKING: f64 = 2.5;
 /// Gaps are never taken for smaller than this, metres: it bounds the model's answer.
 const MIN_GAP_M: f64 = 0.05;
 
-/// The intelligent driver model (Treiber, Hennecke, Helbing, 2000): acceleration from the own speed, the wished speed,
-/// and gap and speed of the vehicle ahead.
+/// The intelligent driver model (Treiber, Hennecke, Helbing, 2000): acceleration from the own speed, the
+/// wished speed, and gap and speed of the vehicle ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Idm {
     /// Acceleration on a free road, m/s2.

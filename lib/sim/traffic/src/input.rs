@@ -73,8 +73,9 @@ pub struct SceneInput<'a> {
     pub hazards: &'a [PlanHazardRow],
     /// The dataset's settings (traffic, walkers, lights, hazards).
     pub settings: &'a SimulationSettings,
-    /// Objects that never move. Those of kind `traffic_light` with an `opendrive_id` get signal states; those of kind
-    /// `parked` can be hit, and drivers keep clear of those that reach into a lane; people wait before buildings and benches.
+    /// Objects that never move. Those of kind `traffic_light` with an `opendrive_id` get signal states; those
+    /// of kind `parked` can be hit, and drivers keep clear of those that reach into a lane; people wait
+    /// before buildings and benches.
     pub fixed: &'a dyn FixedWorld,
     /// Id of the first actor; the others follow.
     pub first_id: ObjectId,
@@ -82,8 +83,8 @@ pub struct SceneInput<'a> {
 
 /// What never moves, known as far as agents come.
 pub trait FixedWorld: fmt::Debug + Sync {
-    /// The objects of the tiles near some places that are not among those `seen`, which are then. To break ends the
-    /// simulation.
+    /// The objects of the tiles near some places that are not among those `seen`, which are then. To break
+    /// ends the simulation.
     fn near(&self, places: &[Point3<f64>], seen: &mut BTreeSet<TileIndex>) -> ControlFlow<(), Vec<ActorRow>>;
 }
 
@@ -97,8 +98,8 @@ impl FixedWorld for Vec<ActorRow> {
 /// What happened in a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimulationLog {
-    /// Agent vehicles, RSUs, background vehicles, walkers, what stands in hazards (fixed unless something hit it); ids ascend
-    /// from the first one.
+    /// Agent vehicles, RSUs, background vehicles, walkers, what stands in hazards (fixed unless something hit
+    /// it); ids ascend from the first one.
     pub actors: Vec<ActorRow>,
     /// Moving actors at frames -1 to the last, by frame, then id.
     pub states: Vec<StateRow>,

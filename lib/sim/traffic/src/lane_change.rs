@@ -1,9 +1,9 @@
 //! Lane changes: when a driver wishes for one, whether it is safe, and the way over.
 //!
-//! Drivers change to pass slower or stranded vehicles (MOBIL: Kesting, Treiber, Helbing, 2007), and must change where
-//! their lane ends or their turn has a lane of its own. Nobody changes in junctions, across marks that forbid it, or
-//! into a gap that makes another brake hard. Who must change and cannot, asks: the next one behind in the other lane
-//! lets it in, so that two full lanes zip into one.
+//! Drivers change to pass slower or stranded vehicles (MOBIL: Kesting, Treiber, Helbing, 2007), and must
+//! change where their lane ends or their turn has a lane of its own. Nobody changes in junctions, across
+//! marks that forbid it, or into a gap that makes another brake hard. Who must change and cannot, asks: the
+//! next one behind in the other lane lets it in, so that two full lanes zip into one.
 
 use crate::occupancy::{Occupancy, Occupant, Sense, is_stranded};
 use crate::road::net::Net;
@@ -87,8 +87,8 @@ enum Found {
     Nothing,
 }
 
-/// Lets every driver whose turn it is to look begin a change. New places are entered at once, so that no two take the
-/// same gap.
+/// Lets every driver whose turn it is to look begin a change. New places are entered at once, so that no two
+/// take the same gap.
 pub(crate) fn change_lanes(net: &Net, occupancy: &mut Occupancy, vehicles: &mut [Vehicle], step: u32) {
     for me in 0..vehicles.len() {
         if !(step + me as u32).is_multiple_of(EVERY_STEPS) {
@@ -186,7 +186,8 @@ fn gap_beside(
     let near_m = target.centre.project(vehicle.motion().position()).0;
     let (along_m, from_m) = target.centre.cross(vehicle.motion().position(), near_m);
     let span_m = (CHANGE_S * (speed + GAINS_MPS)).max(shortest_m(length));
-    // On the lane all the way, between marks that may be crossed, wide enough, and done before the next junction.
+    // On the lane all the way, between marks that may be crossed, wide enough, and done before the next
+    // junction.
     let [first, last] = [0.0, OUT * span_m]
         .map(|on| own.centre.index((vehicle.route().along_m() + on).min(own.centre.length_m)));
     let opposite = target.centre.place(along_m);
@@ -216,7 +217,8 @@ fn gap_beside(
     if !wide || !beside.allowed[first..=last].iter().all(|a| *a) {
         return Found::Nothing;
     }
-    // Out of the old lane before its leader's rear is reached: too near to it there is no way out, unless it goes on.
+    // Out of the old lane before its leader's rear is reached: too near to it there is no way out, unless it
+    // goes on.
     let leader = occupancy.leader(net, vehicles, me);
     let near = leader.filter(|l| {
         let closing = 1.0 - (l.speed_mps / speed.max(2.0)).min(1.0);
@@ -294,7 +296,8 @@ fn gap(
     (must || gain > GAIN).then_some((gain, leader.map(|l| l.vehicle)))
 }
 
-/// Metres from a place on a lane to the next junction or the end of the road, up to a limit, and whether it is an end.
+/// Metres from a place on a lane to the next junction or the end of the road, up to a limit, and whether it
+/// is an end.
 fn room(net: &Net, lane: usize, along_m: f64, limit_m: f64) -> (f64, bool) {
     let (mut lane, mut room_m) = (lane, net.lanes[lane].usable_m - along_m);
     while room_m < limit_m {

@@ -13,8 +13,8 @@ use crate::vehicle::attention::Class;
 const MERGE_VIEW_M: f64 = 40.0;
 /// Half the length of road that a walker needs, metres.
 const WALKER_HALF_M: f64 = 0.6;
-/// Drivers pass before a walker who comes to their lane this long after they have, seconds, counting on this share of their
-/// acceleration.
+/// Drivers pass before a walker who comes to their lane this long after they have, seconds, counting on this
+/// share of their acceleration.
 const PASSED_S: f64 = 1.5;
 const EASE: f64 = 0.5;
 /// Most lanes looked at in a search.
@@ -33,7 +33,8 @@ const STANDING: usize = usize::MAX;
 /// Things shorter than this are looked at in their middle only, metres.
 const SHORT_M: f64 = 1.0;
 
-/// Whether what is on a lane is a wreck or another thing that nobody drives away, or somebody who cannot get past one.
+/// Whether what is on a lane is a wreck or another thing that nobody drives away, or somebody who cannot get
+/// past one.
 pub(crate) fn is_stranded(vehicles: &[Vehicle], who: usize) -> bool {
     vehicles.get(who).is_none_or(|v| v.is_crashed() || v.lane_choice().is_boxed_in())
 }
@@ -159,7 +160,8 @@ impl Occupancy {
         self.walkers[lane].push(walker);
     }
 
-    /// Puts things on the lanes under them, until told anew: middle, yaw and size of each, and what drivers take it for.
+    /// Puts things on the lanes under them, until told anew: middle, yaw and size of each, and what drivers
+    /// take it for.
     pub(crate) fn stand(
         &mut self,
         net: &Net,
@@ -171,7 +173,8 @@ impl Occupancy {
         }
     }
 
-    /// Rebuilds the vehicles' places. Crashed ones block every lane that their footprint touches, those who change lanes both.
+    /// Rebuilds the vehicles' places. Crashed ones block every lane that their footprint touches, those who
+    /// change lanes both.
     pub(crate) fn fill(&mut self, net: &Net, vehicles: &[Vehicle]) {
         self.clear();
         for k in 0..self.standing.len() {
@@ -250,8 +253,8 @@ impl Occupancy {
         }
     }
 
-    /// The nearest vehicle or thing ahead of `me` on its route that its driver does not overlook for long. Vehicles that branch
-    /// off or merge count while they overlap.
+    /// The nearest vehicle or thing ahead of `me` on its route that its driver does not overlook for long.
+    /// Vehicles that branch off or merge count while they overlap.
     pub(crate) fn leader(&self, net: &Net, vehicles: &[Vehicle], me: usize) -> Option<Leader> {
         let vehicle = &vehicles[me];
         let (own_half, view) = (vehicle.half_length_m(), vehicle.view_m());
@@ -321,7 +324,8 @@ impl Occupancy {
         best
     }
 
-    /// The gap to the nearest place ahead where a walker is about to cross whom the vehicle does not pass well before.
+    /// The gap to the nearest place ahead where a walker is about to cross whom the vehicle does not pass
+    /// well before.
     pub(crate) fn walker_gap(&self, net: &Net, vehicle: &Vehicle) -> Option<f64> {
         let mut best: Option<f64> = None;
         for (lane, start) in vehicle.lanes_ahead(net) {
@@ -346,8 +350,8 @@ impl Occupancy {
         best
     }
 
-    /// The first vehicle but `me`, or thing that one of its width cannot pass, from a place on a lane onwards or backwards, over
-    /// all branches: metres between the middles. One at the very place is ahead.
+    /// The first vehicle but `me`, or thing that one of its width cannot pass, from a place on a lane onwards
+    /// or backwards, over all branches: metres between the middles. One at the very place is ahead.
     pub(crate) fn first(
         &self,
         net: &Net,

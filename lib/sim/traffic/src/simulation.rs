@@ -43,14 +43,15 @@ use crate::walking::together::keep_together;
 use crate::walking::waiting::WaitingPlaces;
 use crate::walking::walker::Walker;
 
-/// Walkers' destinations are at most this many times as far from an agent's start as walkers' starts, and on large maps at
-/// most so many metres for each second that is simulated.
+/// Walkers' destinations are at most this many times as far from an agent's start as walkers' starts, and on
+/// large maps at most so many metres for each second that is simulated.
 const DESTINATION_RADII: f64 = 1.6;
 const LARGE_DESTINATION_MPS: f64 = 35.0;
-/// Maps that extend farther than this are large, metres: CARLA's large ones are 10 km long, the others less than 3 km.
+/// Maps that extend farther than this are large, metres: CARLA's large ones are 10 km long, the others less
+/// than 3 km.
 const LARGE_M: f64 = 5000.0;
-/// Who is pushed by less than this drives on, m/s, unless that comes from ahead or behind: along the vehicle by more than this
-/// share.
+/// Who is pushed by less than this drives on, m/s, unless that comes from ahead or behind: along the vehicle
+/// by more than this share.
 const HARMLESS_MPS: f64 = 1.0;
 const BESIDE: f64 = 0.7;
 /// Longest warm-up, seconds.
@@ -438,8 +439,8 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Whether those who hit each other stay where that leads them. Otherwise they drive on: who grazes something at its side,
-    /// and who pushes something light away.
+    /// Whether those who hit each other stay where that leads them. Otherwise they drive on: who grazes
+    /// something at its side, and who pushes something light away.
     fn is_accident(&self, hit: &Hit) -> bool {
         let hurts = |owner: &Owner| match owner {
             Owner::Walker(_) => true,
@@ -512,8 +513,8 @@ impl<'a> Simulation<'a> {
         self.log.states.extend(rows);
     }
 
-    /// What the lights showed at frames -1 to the last, frame 0 being `lead` steps after the start. Programs follow the clock
-    /// alone, so lights are known before anybody came near them, too.
+    /// What the lights showed at frames -1 to the last, frame 0 being `lead` steps after the start. Programs
+    /// follow the clock alone, so lights are known before anybody came near them, too.
     fn log_signals(&mut self, lead: usize) {
         self.lamps.sort_unstable();
         let map_signals = self.input.map.signals();

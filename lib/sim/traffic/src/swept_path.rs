@@ -1,5 +1,6 @@
-//! The ground that vehicles are about to sweep, corners and all: drivers stop for whoever is on it, be it beside their lane,
-//! and for what stands there in accidents and road works; walkers who are not crossing step back from it.
+//! The ground that vehicles are about to sweep, corners and all: drivers stop for whoever is on it, be it
+//! beside their lane, and for what stands there in accidents and road works; walkers who are not crossing
+//! step back from it.
 
 use catalogue::trains::Train;
 use nalgebra::{Point3, Vector2, Vector3};
@@ -14,8 +15,8 @@ use crate::vehicle::towed::{Towed, middle};
 
 /// Distances between the places on the way that are looked at, within the second one and beyond, metres.
 const STEPS_M: [f64; 2] = [0.25, 1.0];
-/// Drivers look as far ahead as they need to stop at this braking, m/s2, and so much farther, but never farther than that,
-/// metres.
+/// Drivers look as far ahead as they need to stop at this braking, m/s2, and so much farther, but never
+/// farther than that, metres.
 const BRAKING: f64 = 2.0;
 const REACH_M: [f64; 2] = [5.0, 25.0];
 /// Walkers look at what is swept within this time, seconds, and this way, metres.
@@ -28,7 +29,8 @@ const DRIVERS_M: f64 = 0.1;
 /// Nearer means by more than this, metres.
 const NEARER_M: f64 = 0.02;
 const WALKERS_M: f64 = 0.25;
-/// Walkers look at places so much farther than a vehicle sweeps soon, metres: half a second of the fastest, and a step.
+/// Walkers look at places so much farther than a vehicle sweeps soon, metres: half a second of the fastest,
+/// and a step.
 const MINDED_M: f64 = 6.0;
 /// Side of a cell, metres: drivers look no farther, half of the longest vehicle included.
 const CELL_M: f64 = 36.0;
@@ -141,7 +143,8 @@ impl SweptPaths {
         }
     }
 
-    /// Takes in what stands in hazards, until told anew: middle, yaw and size of each, and what drivers take it for.
+    /// Takes in what stands in hazards, until told anew: middle, yaw and size of each, and what drivers take
+    /// it for.
     pub(crate) fn set_things(&mut self, things: impl Iterator<Item = ((Point3<f64>, f64, [f64; 3]), Class)>) {
         self.things.clear();
         self.thing_grid.clear();
@@ -191,8 +194,8 @@ impl SweptPaths {
         }
     }
 
-    /// Metres that a vehicle can go on until it would touch a walker or something of a hazard of each class, if there is one in
-    /// its way that its driver does not overlook for long; notes what it sweeps soon.
+    /// Metres that a vehicle can go on until it would touch a walker or something of a hazard of each class,
+    /// if there is one in its way that its driver does not overlook for long; notes what it sweeps soon.
     pub(crate) fn gaps_m(&mut self, net: &Net, vehicle: &Vehicle) -> Gaps {
         let sees = |class: Class| !vehicle.driver().is_away(class);
         let speed = vehicle.speed_mps();
@@ -298,7 +301,8 @@ impl SweptPaths {
         self.soon_grid.fill(prints.map(|(i, print)| ([print.at.x, print.at.y], i)));
     }
 
-    /// How far outside the ground that is swept soon a walker would be at a place, metres, at most [`WALKERS_M`] beyond.
+    /// How far outside the ground that is swept soon a walker would be at a place, metres, at most
+    /// [`WALKERS_M`] beyond.
     pub(crate) fn clear_m(&self, at: &Point3<f64>, radius_m: f64) -> f64 {
         let around = self.soon_grid.around(at.x, at.y).map(|print| &self.soon[print]);
         let on_level = around.filter(|print| print.is_level(at));

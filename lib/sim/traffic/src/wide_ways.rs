@@ -1,6 +1,7 @@
-//! Ways wide enough for what a vehicle tows: it cuts corners, the more the longer it is. A lane is such a way if the towed one
-//! stays within it, but for a margin; and on what reaches over the lane's edge there is another lane. Most towns have streets that
-//! lead to tight turns alone: of each lane it is told for how long one can drive on from it.
+//! Ways wide enough for what a vehicle tows: it cuts corners, the more the longer it is. A lane is such a way
+//! if the towed one stays within it, but for a margin; and on what reaches over the lane's edge there is
+//! another lane. Most towns have streets that lead to tight turns alone: of each lane it is told for how long
+//! one can drive on from it.
 
 use std::sync::Arc;
 
@@ -12,7 +13,8 @@ use crate::road::centreline::CentrelinePoint;
 use crate::road::net::{Lane, Net};
 use crate::vehicle::motion::{after_rod, half_base_m};
 
-/// How far it may reach over the edge of its lane, on a road and in a junction, where nobody drives beside, metres.
+/// How far it may reach over the edge of its lane, on a road and in a junction, where nobody drives beside,
+/// metres.
 const ROAD_MARGIN_M: f64 = 0.0;
 const JUNCTION_MARGIN_M: f64 = 1.2;
 /// Room to the edge of the road, metres.
@@ -27,9 +29,10 @@ const STEP_M: f64 = 0.75;
 const BEFORE_M: f64 = 30.0;
 const MOST_BEFORE: usize = 6;
 
-/// For each lane of a map the least time that a train can drive from its beginning until only narrow ways lead on, seconds: at
-/// the limits, on the longest way; 0 on what is narrow itself, and without end on a ring, or where the road itself ends. Lanes farther
-/// than `reach_m` from all of some places are not looked at, and count as wide.
+/// For each lane of a map the least time that a train can drive from its beginning until only narrow ways
+/// lead on, seconds: at the limits, on the longest way; 0 on what is narrow itself, and without end on a
+/// ring, or where the road itself ends. Lanes farther than `reach_m` from all of some places are not looked
+/// at, and count as wide.
 pub(crate) fn wide_ways(net: &Net, train: &Train, places: &[Point3<f64>], reach_m: f64) -> Arc<[f64]> {
     let near = |lane: usize| {
         let way = &net.lanes[lane].centre;
@@ -59,7 +62,8 @@ fn has_width(net: &Net, train: &Train, lane: usize) -> bool {
 /// How long one can drive on over wide lanes, seconds.
 fn lead_on_s(net: &Net, mut wide: Vec<bool>) -> Vec<f64> {
     let mut rooms_s: Vec<f64> = wide.iter().map(|wide| if *wide { f64::INFINITY } else { 0.0 }).collect();
-    // Those that lead to narrow ones alone, from their ends on backwards: when one is taken out, all that follow it are.
+    // Those that lead to narrow ones alone, from their ends on backwards: when one is taken out, all that
+    // follow it are.
     let mut open: Vec<usize> = (0..wide.len()).collect();
     while let Some(lane) = open.pop() {
         let Lane { next, previous, centre, limit_mps, .. } = &net.lanes[lane];
@@ -95,8 +99,8 @@ fn ways_to(net: &Net, wide: &[bool], lane: usize) -> Vec<Vec<usize>> {
     found
 }
 
-/// Whether a train that comes along a way stays where it may be from when it enters the last lane of it on, going straight on
-/// behind that.
+/// Whether a train that comes along a way stays where it may be from when it enters the last lane of it on,
+/// going straight on behind that.
 fn fits(net: &Net, train: &Train, way: &[usize]) -> bool {
     let length = |lane: usize| net.lanes[lane].centre.length_m;
     let Some(&last) = way.last() else { return true };
@@ -144,7 +148,8 @@ fn fits(net: &Net, train: &Train, way: &[usize]) -> bool {
     true
 }
 
-/// A train on its way: the kinematics of [`crate::vehicle::motion::Motion`] and [`crate::vehicle::towed::Towed`], in the plane.
+/// A train on its way: the kinematics of [`crate::vehicle::motion::Motion`] and
+/// [`crate::vehicle::towed::Towed`], in the plane.
 struct TrainWay<'a> {
     train: &'a Train,
     at: Point3<f64>,
@@ -196,8 +201,8 @@ impl<'a> TrainWay<'a> {
     }
 }
 
-/// Where a train stands in line along the way that it came, its lead at a place on a lane and the lanes before that in order from
-/// the nearest one on: the yaw of what it tows.
+/// Where a train stands in line along the way that it came, its lead at a place on a lane and the lanes
+/// before that in order from the nearest one on: the yaw of what it tows.
 pub(crate) fn towed_yaw_rad(
     net: &Net,
     train: &Train,
@@ -266,7 +271,8 @@ mod tests {
 
     #[test]
     fn long_bends_are_wide_where_pythagoras_says_so() {
-        // On a road the offset may be 3.5 / 2 - 2.55 / 2 - 0.1 m before the edge of the road: beyond it there is grass.
+        // On a road the offset may be 3.5 / 2 - 2.55 / 2 - 0.1 m before the edge of the road: beyond it there
+        // is grass.
         let most_m = 0.5 * 3.5 - 0.5 * 2.55 - EDGE_M;
         for towed in ["trailer.box", "bus.articulated_rear"] {
             let train = trains::of_towed(towed).expect("a train");
@@ -305,7 +311,8 @@ mod tests {
     fn trains_begin_as_they_would_have_come() {
         let net = bend(40.0, 2.0);
         let train = trains::of_towed("trailer.box").expect("a train");
-        // After 1.5 rad the towed one is nearly as on a circle for good: the angle at the axle is asin(L / R_h).
+        // After 1.5 rad the towed one is nearly as on a circle for good: the angle at the axle is asin(L /
+        // R_h).
         let at = 60.0 + 1.6 * 40.0;
         let lane = (0..net.lanes.len()).find(|&l| net.lanes[l].centre.length_m > 150.0).expect("one lane");
         let heading = net.lanes[lane].centre.place(at).heading_rad;

@@ -74,7 +74,8 @@ impl Replay {
         self.world.meshes()
     }
 
-    /// What never moves within a radius of a place, and no farther than it is there around every agent, less `nearer_m`.
+    /// What never moves within a radius of a place, and no farther than it is there around every agent, less
+    /// `nearer_m`.
     #[must_use]
     pub fn still(&self, centre_world_m: [f64; 3], radius_m: f64, nearer_m: f64) -> Snapshot {
         self.world.still(centre_world_m, radius_m.min(self.log.info.world_radius_m) - nearer_m)
@@ -86,8 +87,8 @@ impl Replay {
         self.world.moves(object)
     }
 
-    /// Everything within a radius of a place at a frame, and no farther than the static world is there around every agent: a
-    /// place is the same wherever agents came from.
+    /// Everything within a radius of a place at a frame, and no farther than the static world is there around
+    /// every agent: a place is the same wherever agents came from.
     #[must_use]
     pub fn snapshot(&self, frame: u32, centre_world_m: [f64; 3], radius_m: f64) -> Snapshot {
         let at = i64::from(frame);

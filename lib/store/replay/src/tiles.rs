@@ -1,6 +1,7 @@
-//! Tiles in a store. A set of tiles is named by what they are made from: the map, the rules of scenery, the code version. A missing
-//! tile is made and stored with a manifest like a stage's; the next reader finds it, in this scene or another, in this process
-//! or another. Two processes that make the same tile at once write the same bytes.
+//! Tiles in a store. A set of tiles is named by what they are made from: the map, the rules of scenery, the
+//! code version. A missing tile is made and stored with a manifest like a stage's; the next reader finds it,
+//! in this scene or another, in this process or another. Two processes that make the same tile at once write
+//! the same bytes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -64,8 +65,8 @@ pub struct TileStore<'a> {
 }
 
 impl<'a> TileStore<'a> {
-    /// The tiles of a map (with the BLAKE3 of its text) by some rules and with the models of a catalogue, as code of a version makes
-    /// them.
+    /// The tiles of a map (with the BLAKE3 of its text) by some rules and with the models of a catalogue, as
+    /// code of a version makes them.
     ///
     /// # Errors
     /// The rules cannot be written down.

@@ -85,7 +85,8 @@ impl StageError {
         report(self)
     }
 
-    /// The exit code of a stage that ends with this error. Only [`EXIT_SOME_FAILED`] is the scene's own fault.
+    /// The exit code of a stage that ends with this error. Only [`EXIT_SOME_FAILED`] is the scene's own
+    /// fault.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
@@ -125,7 +126,8 @@ fn causes(error: &dyn Error) -> impl Iterator<Item = &(dyn Error + 'static)> {
     std::iter::successors(error.source(), |&cause| cause.source())
 }
 
-/// An error and its causes on one line, outermost first. A cause that the text before it tells already is left out.
+/// An error and its causes on one line, outermost first. A cause that the text before it tells already is
+/// left out.
 #[must_use]
 pub fn report(error: &dyn Error) -> String {
     let mut text = error.to_string();

@@ -1,4 +1,5 @@
-//! `pipeline.toml` and `versions.toml`: which stages there are, what they depend on, and the version of what each makes.
+//! `pipeline.toml` and `versions.toml`: which stages there are, what they depend on, and the version of what
+//! each makes.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -28,7 +29,8 @@ pub struct StageSpec {
     inputs: Vec<usize>,
     /// What it writes, in a scene's folder (or the store's): files, and folders ending in `/`.
     pub writes: Vec<&'static str>,
-    /// Whether it looks at a scene's log (or makes it): it cannot be done of a scene that was imported, which has none.
+    /// Whether it looks at a scene's log (or makes it): it cannot be done of a scene that was imported, which
+    /// has none.
     pub needs_log: bool,
 }
 
@@ -127,8 +129,8 @@ impl StageSpec {
         self.inputs.clone().into_iter().map(|position| &GRAPH.stages[position])
     }
 
-    /// Whether the stage may write a shard, by its path in the scene's folder (or the store's). Stages of scenes may
-    /// leave partial counts, `stats/NAME...`.
+    /// Whether the stage may write a shard, by its path in the scene's folder (or the store's). Stages of
+    /// scenes may leave partial counts, `stats/NAME...`.
     #[must_use]
     pub fn may_write(&self, path: &str) -> bool {
         let is_count = || path.strip_prefix("stats/").is_some_and(|rest| rest.starts_with(self.name));

@@ -5,13 +5,14 @@ use store::{Manifest, Scope, Store, StoreError};
 
 use crate::graph::{StageSpec, UnitKind};
 
-/// Whether a manifest stands for what was imported: no configuration, code or input of ours went into it that could change.
+/// Whether a manifest stands for what was imported: no configuration, code or input of ours went into it that
+/// could change.
 pub(crate) fn is_imported(manifest: &Manifest) -> bool {
     schema::is_imported(&manifest.code_version)
 }
 
-/// Why a stage cannot be made of some scopes: they were imported, and it needs the log that is not there. What `is_kept` is not
-/// touched, and counts for nothing.
+/// Why a stage cannot be made of some scopes: they were imported, and it needs the log that is not there.
+/// What `is_kept` is not touched, and counts for nothing.
 ///
 /// # Errors
 /// The store cannot be read.

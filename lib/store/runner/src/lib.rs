@@ -1,8 +1,8 @@
 //! The stage graph and the stage runner.
 //!
-//! A stage program is a few lines: it hands a [`Stage`] and what its arguments say ([`StageOptions`]) to [`run_stage`], which reads
-//! the configuration, decides which scenes need work, runs them with their failures kept apart, and turns the outcome
-//! into an exit code.
+//! A stage program is a few lines: it hands a [`Stage`] and what its arguments say ([`StageOptions`]) to
+//! [`run_stage`], which reads the configuration, decides which scenes need work, runs them with their
+//! failures kept apart, and turns the outcome into an exit code.
 
 mod code_version;
 mod error;

@@ -7,8 +7,8 @@ use std::sync::{Mutex, PoisonError};
 
 use store::MadeBy;
 
-/// The stamp that a build writes into its programs: a name, the commit (spaces where there is none), `+` for a build of
-/// just this commit.
+/// The stamp that a build writes into its programs: a name, the commit (spaces where there is none), `+` for
+/// a build of just this commit.
 const STAMP_NAME: &[u8] = b"\0convoy-build-stamp\0";
 const COMMIT_LEN: usize = 64;
 /// Bytes of a stamp.
@@ -27,8 +27,8 @@ pub struct Programs {
 }
 
 impl Programs {
-    /// The programs beside the one that runs, by its stamp. `stage` is the stage that it does itself: its file is
-    /// read at once, before a newer build can take its place.
+    /// The programs beside the one that runs, by its stamp. `stage` is the stage that it does itself: its
+    /// file is read at once, before a newer build can take its place.
     #[must_use]
     pub fn of_build(stamp: &[u8; STAMP_LEN], stage: Option<&str>) -> Self {
         // Optimised code must not know the stamp: programs of two commits differ in its bytes alone.
@@ -65,8 +65,8 @@ impl Programs {
         }
     }
 
-    /// Whether this build's program for a stage makes what another build made, by the same version. Where there is no
-    /// such program, the version alone counts.
+    /// Whether this build's program for a stage makes what another build made, by the same version. Where
+    /// there is no such program, the version alone counts.
     pub(crate) fn makes_the_same(&self, stage: &str, then: &MadeBy) -> bool {
         if self.commit.is_some() && then.commit.is_some() {
             return true;
@@ -75,7 +75,8 @@ impl Programs {
     }
 }
 
-/// BLAKE3 of a program's file without its stamp and the linker's digest of the file, or none when it cannot be read.
+/// BLAKE3 of a program's file without its stamp and the linker's digest of the file, or none when it cannot
+/// be read.
 fn digest_of(program: &Path) -> Option<String> {
     std::fs::read(program).ok().map(|mut file| {
         blank_after(&mut file, STAMP_NAME, STAMP_LEN - STAMP_NAME.len(), is_commit);

@@ -11,7 +11,8 @@ use crate::{ProgressMode, interrupt};
 
 const PLAIN_PERIOD: Duration = Duration::from_secs(10);
 
-/// Progress of one piece of work, from any thread; it also tells a loop when to stop. Clones are the same progress.
+/// Progress of one piece of work, from any thread; it also tells a loop when to stop. Clones are the same
+/// progress.
 #[derive(Clone)]
 pub struct Progress {
     kind: Arc<Kind>,

@@ -25,10 +25,11 @@ use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, interrupt};
 pub struct Stage<S> {
     /// Does the work of one scope: opens units of [`Job`], writes their shards.
     pub run: fn(&mut Job<'_, S>) -> Result<(), StageError>,
-    /// Digests of what it reads outside the store, by name, as far as that can be found now: where one changed, the
-    /// stage is stale. Takes the settings and the folder with map files.
+    /// Digests of what it reads outside the store, by name, as far as that can be found now: where one
+    /// changed, the stage is stale. Takes the settings and the folder with map files.
     pub sources: fn(&S, Option<&Path>) -> BTreeMap<String, String>,
-    /// Lines that say what to expect, for `--dry-run`. Takes the settings, the folder with map files and the store.
+    /// Lines that say what to expect, for `--dry-run`. Takes the settings, the folder with map files and the
+    /// store.
     pub forecast: Option<Forecast>,
 }
 
@@ -111,7 +112,8 @@ impl<S: StageSettings> Job<'_, S> {
         }
     }
 
-    /// Opens a unit of work, or `None` when a killed run finished it already; several may be open at once. A signal stops here.
+    /// Opens a unit of work, or `None` when a killed run finished it already; several may be open at once. A
+    /// signal stops here.
     ///
     /// # Errors
     /// A signal came, or the store cannot be read.

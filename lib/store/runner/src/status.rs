@@ -44,7 +44,8 @@ pub enum Staleness {
     Configuration,
     /// The version of the stage's code is another.
     Code,
-    /// The version is the same, but the stage's program is another, and one of the two has uncommitted changes.
+    /// The version is the same, but the stage's program is another, and one of the two has uncommitted
+    /// changes.
     Program,
     /// What it was made from cannot be read yet, or no longer.
     NotReady(NotReady),
@@ -293,7 +294,8 @@ impl<'a> Status<'a> {
                             State::Done => store.manifest(scene_scope, name)?,
                             _ => None,
                         };
-                        // What is planned and not done is remembered as well: statistics say how much they leave out.
+                        // What is planned and not done is remembered as well: statistics say how much they
+                        // leave out.
                         let digest = manifest.map_or_else(|| NOT_DONE.to_owned(), |m| m.digest());
                         inputs.digests.insert(format!("{}/{name}", plan_section(scene)), digest);
                     }

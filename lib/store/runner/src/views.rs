@@ -56,7 +56,8 @@ impl StageSettings for SimulationSettings {
     }
 }
 
-/// How far from agents the static world must be there, metres: what boxes and grids reach, whatever is asked for.
+/// How far from agents the static world must be there, metres: what boxes and grids reach, whatever is asked
+/// for.
 fn reach_m(all: &DatasetSettings) -> f64 {
     let diagonal = std::f64::consts::SQRT_2;
     let grids = all.occupancy();

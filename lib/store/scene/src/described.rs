@@ -7,8 +7,8 @@ use store::{StoreError, keys};
 
 use crate::{SceneError, SceneReader};
 
-/// What ends every archive (APPNOTE.TXT 4.3.16): a signature, eighteen bytes of which the last two are the comment's length, the
-/// comment.
+/// What ends every archive (APPNOTE.TXT 4.3.16): a signature, eighteen bytes of which the last two are the
+/// comment's length, the comment.
 const END: [u8; 4] = *b"PK\x05\x06";
 const END_BYTES: usize = 22;
 

@@ -12,7 +12,8 @@ pub struct FrameRanges {
 }
 
 impl FrameRanges {
-    /// Of rows that are sorted by frame, for `frames` frames from `first` on. Rows of other frames are left out.
+    /// Of rows that are sorted by frame, for `frames` frames from `first` on. Rows of other frames are left
+    /// out.
     ///
     /// # Errors
     /// The number of the first row that stands after one of a later frame.

@@ -10,7 +10,8 @@ use crate::{SceneError, SceneReader};
 /// The ground of the tiles that a scene has, tile by tile.
 ///
 /// # Errors
-/// As [`SceneReader::rows`]; or a tile is not there any more, or not the one that the scene was simulated with.
+/// As [`SceneReader::rows`]; or a tile is not there any more, or not the one that the scene was simulated
+/// with.
 pub fn read_ground(scene: &SceneReader) -> Result<Vec<SurfaceMesh>, SceneError> {
     let mut ground = Vec::new();
     for tile in scene.rows::<SceneTileRow>()? {

@@ -26,7 +26,8 @@ pub struct BoxFrames {
 }
 
 impl BoxFrames {
-    /// Opens the boxes of an agent; with `seen`, and what its sensors saw of them. Those of others are not decoded.
+    /// Opens the boxes of an agent; with `seen`, and what its sensors saw of them. Those of others are not
+    /// decoded.
     ///
     /// # Errors
     /// A stage has not made its part, or a table is not as its manifest says.

@@ -89,9 +89,9 @@ impl SceneReader {
         format!("{}.parquet", R::TABLE)
     }
 
-    /// A whole table, by its row type; a row type of some of its columns ([`schema::columns!`]) reads no others. Rows of
-    /// which every agent or sensor has a table, and those of the plan, do not compile: for the former there are
-    /// [`crate::agent_rows`] and [`crate::SensorFrames`].
+    /// A whole table, by its row type; a row type of some of its columns ([`schema::columns!`]) reads no
+    /// others. Rows of which every agent or sensor has a table, and those of the plan, do not compile: for
+    /// the former there are [`crate::agent_rows`] and [`crate::SensorFrames`].
     ///
     /// # Errors
     /// Its stage has not made it, or it is not as the manifest says.
@@ -102,7 +102,8 @@ impl SceneReader {
     }
 }
 
-/// Whether a scene has one table of this name: it stands not in the plan, and no name of an agent or sensor belongs into it.
+/// Whether a scene has one table of this name: it stands not in the plan, and no name of an agent or sensor
+/// belongs into it.
 const fn is_one_of_scene(table: &str) -> bool {
     let name = table.as_bytes();
     if let [b'p', b'l', b'a', b'n', b'/', ..] | [b'm', b'a', b'p', b's', b'/', ..] = name {

@@ -18,9 +18,9 @@ pub struct SensorFrames<R> {
 }
 
 impl<R: Row + Framed> SensorFrames<R> {
-    /// Opens a table of an agent's sensor, by its name (`LIDAR`, `RGB-CAM_FRONT`). It gives the rows of frames 0, n, 2 n, ...
-    /// of a scene of so many frames, a few at a time in memory. The n of a sensor stands in its calibration
-    /// ([`read_calibration`]).
+    /// Opens a table of an agent's sensor, by its name (`LIDAR`, `RGB-CAM_FRONT`). It gives the rows of
+    /// frames 0, n, 2 n, ... of a scene of so many frames, a few at a time in memory. The n of a sensor
+    /// stands in its calibration ([`read_calibration`]).
     ///
     /// # Errors
     /// Its stage has not made it, or it is not as the manifest says.
@@ -43,8 +43,9 @@ impl<R: Row + Framed> SensorFrames<R> {
         })
     }
 
-    /// The row of a frame; none where the sensor has no reading then. Frames must be asked for in ascending order; those between
-    /// are passed over, and not decoded where they are groups of their own, as a sensor's are.
+    /// The row of a frame; none where the sensor has no reading then. Frames must be asked for in ascending
+    /// order; those between are passed over, and not decoded where they are groups of their own, as a
+    /// sensor's are.
     ///
     /// # Errors
     /// The table cannot be read, or has another frame there.

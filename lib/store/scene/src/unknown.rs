@@ -9,11 +9,12 @@ use store::keys;
 
 use crate::{SceneError, SceneReader};
 
-/// Columns of a sensor's table that are no readings: they hold zeros, because the dataset that was imported did not say them.
-/// Of what was made here there are none.
+/// Columns of a sensor's table that are no readings: they hold zeros, because the dataset that was imported
+/// did not say them. Of what was made here there are none.
 ///
 /// # Errors
-/// The sensors' stage has not made the table, it cannot be read, or what it says of its columns is no list of names.
+/// The sensors' stage has not made the table, it cannot be read, or what it says of its columns is no list of
+/// names.
 pub fn unknown_columns(
     scene: &SceneReader,
     agent: AgentId,

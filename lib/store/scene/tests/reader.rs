@@ -44,7 +44,8 @@ fn table<R: Row>(unit: &mut Unit<'_>, rows: &[R]) {
     unit.rows(&keys::scene(SCENE, &format!("{}.parquet", R::TABLE)), rows).expect("writes");
 }
 
-/// A vehicle (object 1) that goes 1 m a frame along x, and an RSU (object 2); rows of `states` in a given order of frames.
+/// A vehicle (object 1) that goes 1 m a frame along x, and an RSU (object 2); rows of `states` in a given
+/// order of frames.
 fn log(store: &Store, order: &[i32]) {
     let agent = |name: &str, id| AgentInfo { agent: name.into(), id, ..AgentInfo::default() };
     let info = SceneInfo {

@@ -8,13 +8,13 @@ use crate::{Attempt, Scope, Store, StoreError};
 const CHUNK: u64 = 1 << 20;
 
 impl Store {
-    /// Takes over what a stage made for a scope in another store: its shards, each held against its checksum, its manifest
-    /// last. What is there already, byte for byte, is not copied again, so one that was killed goes on. Returns the bytes
-    /// copied.
+    /// Takes over what a stage made for a scope in another store: its shards, each held against its checksum,
+    /// its manifest last. What is there already, byte for byte, is not copied again, so one that was killed
+    /// goes on. Returns the bytes copied.
     ///
     /// # Errors
-    /// A shard cannot be read or written, is not what the manifest says, or lies outside the scope's folder; or another
-    /// manifest of the stage stands here.
+    /// A shard cannot be read or written, is not what the manifest says, or lies outside the scope's folder;
+    /// or another manifest of the stage stands here.
     pub fn adopt(&self, from: &Self, scope: Scope, manifest: &Manifest) -> Result<u64, StoreError> {
         let mut copied = 0;
         for output in &manifest.outputs {
@@ -80,8 +80,8 @@ impl Store {
     }
 }
 
-/// Whether a key is one that a scope's stages may write: a plan's shards are spread over the store, but for its scenes and
-/// tiles.
+/// Whether a key is one that a scope's stages may write: a plan's shards are spread over the store, but for
+/// its scenes and tiles.
 fn lies_in(scope: Scope, key: &str) -> bool {
     let folder = scope.swept_folder();
     let below = if folder.is_empty() {

@@ -79,8 +79,9 @@ struct SoFar {
 
 impl Attempt {
     /// Starts (or takes up) a try and sweeps leftovers. An old manifest stands until the first shard is ready
-    /// to take an old one's place; a damaged one is replaced like any other. With `force` the new manifest differs from the old one even if everything
-    /// else is equal, so that dependants become stale; units that a killed forced try finished are kept.
+    /// to take an old one's place; a damaged one is replaced like any other. With `force` the new manifest
+    /// differs from the old one even if everything else is equal, so that dependants become stale; units that
+    /// a killed forced try finished are kept.
     ///
     /// # Errors
     /// The store cannot be read or written.
@@ -105,9 +106,9 @@ impl Attempt {
         self.so_far.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Starts a try where none of the same identity has ended: what is named by its content is made once. Its manifest comes
-    /// back instead where it stands and everything it names is there. Several processes may try at once: each writes the same
-    /// bytes, and no manifest that stands is taken away.
+    /// Starts a try where none of the same identity has ended: what is named by its content is made once. Its
+    /// manifest comes back instead where it stands and everything it names is there. Several processes may
+    /// try at once: each writes the same bytes, and no manifest that stands is taken away.
     ///
     /// # Errors
     /// As [`Attempt::start`].
@@ -126,7 +127,8 @@ impl Attempt {
         Ok(Ok(attempt))
     }
 
-    /// Removes what a try left that was killed after its manifest stood: leftovers, records of units and of redoing.
+    /// Removes what a try left that was killed after its manifest stood: leftovers, records of units and of
+    /// redoing.
     ///
     /// # Errors
     /// The store cannot be listed or changed.
@@ -140,11 +142,12 @@ impl Attempt {
         backend.remove(&scope.failure(stage))
     }
 
-    /// Replaces one shard of what a stage did, or adds it, without doing the stage again: for records of things that the
-    /// stage's other shards do not depend on. What was made from these stays as it is.
+    /// Replaces one shard of what a stage did, or adds it, without doing the stage again: for records of
+    /// things that the stage's other shards do not depend on. What was made from these stays as it is.
     ///
     /// # Errors
-    /// The store cannot be read or written, the stage is not done, or another process does it again at this moment.
+    /// The store cannot be read or written, the stage is not done, or another process does it again at this
+    /// moment.
     pub fn amend(
         store: &Store,
         scope: Scope,
@@ -176,8 +179,8 @@ impl Attempt {
         Ok(())
     }
 
-    /// Opens a unit of work (an agent, say), or `None` when an earlier try of the same identity finished it. Several may be open
-    /// at once.
+    /// Opens a unit of work (an agent, say), or `None` when an earlier try of the same identity finished it.
+    /// Several may be open at once.
     ///
     /// # Errors
     /// The store cannot be read.

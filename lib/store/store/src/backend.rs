@@ -9,19 +9,20 @@ use crate::StoreError;
 
 /// A place of storage: objects under keys, which are relative paths with `/`.
 ///
-/// Nothing here renames, appends or changes a part of an object, so each operation is one request to an object store:
-/// a streamed PUT (an upload in parts that is completed or given up), a PUT on condition that there is none, GET of a
-/// range, HEAD, DELETE, LIST by prefix. What has been put, removed or listed is seen by whoever asks next.
+/// Nothing here renames, appends or changes a part of an object, so each operation is one request to an
+/// object store: a streamed PUT (an upload in parts that is completed or given up), a PUT on condition that
+/// there is none, GET of a range, HEAD, DELETE, LIST by prefix. What has been put, removed or listed is seen
+/// by whoever asks next.
 pub trait Backend: Send + Sync {
-    /// Starts an object that becomes visible under `key`, whole, at [`Sink::commit`], and takes the place of what was
-    /// there. `owner` is the stage that writes it: among whose leftovers it counts until then.
+    /// Starts an object that becomes visible under `key`, whole, at [`Sink::commit`], and takes the place of
+    /// what was there. `owner` is the stage that writes it: among whose leftovers it counts until then.
     ///
     /// # Errors
     /// The place cannot be written to.
     fn create(&self, key: &str, owner: &str) -> Result<Box<dyn Sink>, StoreError>;
 
-    /// Puts a whole object unless there is one under `key`, in one step: of several that try, one succeeds. Returns
-    /// whether it did.
+    /// Puts a whole object unless there is one under `key`, in one step: of several that try, one succeeds.
+    /// Returns whether it did.
     ///
     /// # Errors
     /// The place cannot be written to.
@@ -51,21 +52,22 @@ pub trait Backend: Send + Sync {
     /// It exists and cannot be removed.
     fn remove(&self, key: &str) -> Result<(), StoreError>;
 
-    /// Keys of all objects below a folder (`""`: of the whole store), sorted. What is still being written is none.
+    /// Keys of all objects below a folder (`""`: of the whole store), sorted. What is still being written is
+    /// none.
     ///
     /// # Errors
     /// The place cannot be listed.
     fn list(&self, folder: &str) -> Result<Vec<String>, StoreError>;
 
-    /// What was begun with [`Backend::create`] below a folder and neither committed nor discarded: in the hands of a
-    /// living process, or left by one that was killed.
+    /// What was begun with [`Backend::create`] below a folder and neither committed nor discarded: in the
+    /// hands of a living process, or left by one that was killed.
     ///
     /// # Errors
     /// The place cannot be listed.
     fn unfinished(&self, folder: &str) -> Result<Vec<Unfinished>, StoreError>;
 
-    /// Removes what writers of `owner` left unfinished below a folder, but not what is in the hands of another living
-    /// process. Returns how many there were.
+    /// Removes what writers of `owner` left unfinished below a folder, but not what is in the hands of
+    /// another living process. Returns how many there were.
     ///
     /// # Errors
     /// The place cannot be listed or changed.
@@ -89,8 +91,8 @@ pub trait Shard: Send + Sync {
     /// Size in bytes.
     fn size(&self) -> u64;
 
-    /// The bytes of a range. What small reads next to one another cost is for the place to mend (by reading ahead,
-    /// say): readers ask for what they need.
+    /// The bytes of a range. What small reads next to one another cost is for the place to mend (by reading
+    /// ahead, say): readers ask for what they need.
     ///
     /// # Errors
     /// They cannot be read, or the range reaches beyond the end.

@@ -1,7 +1,8 @@
 //! Between our columns and arrow's arrays.
 //!
-//! By hand, not by `serde_arrow`: the row types lie in `schema`, which knows no Arrow and makes the docs from the same
-//! definition, and a lidar's lists are moved here as whole slices where serde would visit each number.
+//! By hand, not by `serde_arrow`: the row types lie in `schema`, which knows no Arrow and makes the docs from
+//! the same definition, and a lidar's lists are moved here as whole slices where serde would visit each
+//! number.
 
 use std::sync::Arc;
 
@@ -219,7 +220,8 @@ mod tests {
     fn halves_keep_eleven_digits_and_read_as_floats() {
         let sent = vec![vec![0.0, 1.0, -2.0, 1.0 + 1.0 / 4096.0, 0.1], vec![]];
         let array = to_arrow(Column::ListF16(sent));
-        // The third number after 1 is 1 + 1/512: 1 + 1/4096 is nearer to 1. Of 0.1 the nearest half is 1638 / 2^14.
+        // The third number after 1 is 1 + 1/512: 1 + 1/4096 is nearer to 1. Of 0.1 the nearest half is 1638 /
+        // 2^14.
         let kept = vec![vec![0.0, 1.0, -2.0, 1.0, 1638.0 / 16_384.0], vec![]];
         for wanted in [Column::ListF32(Vec::new()), Column::ListF16(Vec::new())] {
             let read = from_arrow("dx", &wanted, &array).expect("is one");

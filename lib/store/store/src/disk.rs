@@ -144,7 +144,8 @@ impl Backend for Disk {
         let mut sink = self.begin(key, owner)?;
         sink.write_all(bytes).map_err(sink.error("write"))?;
         sink.sync()?;
-        // A link, unlike a rename, never takes the place of a file. The other name goes when the sink is dropped.
+        // A link, unlike a rename, never takes the place of a file. The other name goes when the sink is
+        // dropped.
         match fs::hard_link(&sink.unfinished, &sink.path) {
             Ok(()) => {}
             Err(e) if e.kind() == io::ErrorKind::AlreadyExists => return Ok(false),
@@ -283,8 +284,8 @@ impl UnfinishedName {
         Some(Self { owner: owner.to_owned(), host: host.to_owned(), pid })
     }
 
-    /// Whether the process that was writing it is gone. Another process at work on the same shard is let be: both write
-    /// the same bytes, and the later rename wins.
+    /// Whether the process that was writing it is gone. Another process at work on the same shard is let be:
+    /// both write the same bytes, and the later rename wins.
     fn is_abandoned(&self, path: &Path) -> bool {
         if self.host == host() {
             return self.pid == std::process::id() || !is_running(self.pid);

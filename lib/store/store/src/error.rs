@@ -6,8 +6,9 @@ use std::io;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
-    /// Writing failed, whatever was being written: the device is full, the quota used up, the disk broken, the folder
-    /// not ours. No scene is to blame, so a stage stops here; worth another try once that is mended.
+    /// Writing failed, whatever was being written: the device is full, the quota used up, the disk broken,
+    /// the folder not ours. No scene is to blame, so a stage stops here; worth another try once that is
+    /// mended.
     #[error(
         "{path}: cannot {action}: {source} ({}, then run the same command again; nothing committed is lost)",
         remedy(source)
@@ -64,7 +65,8 @@ pub enum StoreError {
         /// The file.
         path: String,
     },
-    /// Two processes did the same stage of the same scene at once, from different inputs, configurations or code.
+    /// Two processes did the same stage of the same scene at once, from different inputs, configurations or
+    /// code.
     #[error(
         "{path}: another process wrote other outputs of this stage at the same time; neither is kept (let one run end, then run the same command again)"
     )]
@@ -138,7 +140,8 @@ impl StoreError {
         }
     }
 
-    /// Whether the command asks for something that cannot be had: another place, or another version of the program.
+    /// Whether the command asks for something that cannot be had: another place, or another version of the
+    /// program.
     #[must_use]
     pub fn is_usage(&self) -> bool {
         matches!(self, Self::Format { .. } | Self::Place { .. })

@@ -35,8 +35,8 @@ impl Scope {
         }
     }
 
-    /// The folder in which a stage's leftovers may lie: the plan's shards are spread over the store, and the statistics have
-    /// a card at its root.
+    /// The folder in which a stage's leftovers may lie: the plan's shards are spread over the store, and the
+    /// statistics have a card at its root.
     #[must_use]
     pub fn swept_folder(self) -> String {
         match self {

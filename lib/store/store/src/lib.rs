@@ -1,12 +1,12 @@
 //! The file store: shards, manifests and their atomic commit.
 //!
-//! A shard becomes visible in one step and only when it is complete; a stage's manifest for a scene is written
-//! last and names every shard with its checksum. Readers follow manifests. So a process can be killed at any
-//! instant: what is named by a manifest is whole, what is not is swept at the next start.
+//! A shard becomes visible in one step and only when it is complete; a stage's manifest for a scene is
+//! written last and names every shard with its checksum. Readers follow manifests. So a process can be killed
+//! at any instant: what is named by a manifest is whole, what is not is swept at the next start.
 //!
 //! * [`Store::open`]: a store by its path or URL.
-//! * [`Backend`]: the few operations a place of storage must offer, as [`Disk`] and [`Memory`] do. Nothing above it
-//!   renames or assumes a file system.
+//! * [`Backend`]: the few operations a place of storage must offer, as [`Disk`] and [`Memory`] do. Nothing
+//!   above it renames or assumes a file system.
 //! * [`keys`]: the layout, one function per kind of file.
 //! * [`Manifest`], [`Attempt`], [`Unit`]: writing a stage's outputs.
 //! * [`Store::read_rows`], [`Store::row_groups`]: reading tables.
@@ -51,8 +51,8 @@ pub struct Store {
 }
 
 impl Store {
-    /// The store at a place: a folder, which need not exist yet, by its path or as `file:///FOLDER`; `memory:` is a
-    /// fresh one that ends with the process.
+    /// The store at a place: a folder, which need not exist yet, by its path or as `file:///FOLDER`;
+    /// `memory:` is a fresh one that ends with the process.
     ///
     /// ```
     /// use store::{Scope, Store, StoreError};

@@ -61,15 +61,16 @@ pub struct MadeBy {
 }
 
 impl MadeBy {
-    /// Whether two builds of one version make the same: two of commits are trusted to their version, others only when the
-    /// program is the same.
+    /// Whether two builds of one version make the same: two of commits are trusted to their version, others
+    /// only when the program is the same.
     #[must_use]
     pub fn makes_the_same(&self, other: &Self) -> bool {
         self.commit.is_some() && other.commit.is_some() || self.program == other.program
     }
 }
 
-/// A stage is being done again: kept until its new manifest stands, so that a killed run goes on as the same try.
+/// A stage is being done again: kept until its new manifest stands, so that a killed run goes on as the same
+/// try.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Redo {
     /// Generation of the new manifest.
@@ -100,7 +101,8 @@ impl Manifest {
         self.outputs.iter().find(|o| o.key == key)
     }
 
-    /// The digest that dependants remember. Remarks do not alter it: which build made it, which later code keeps it.
+    /// The digest that dependants remember. Remarks do not alter it: which build made it, which later code
+    /// keeps it.
     #[must_use]
     pub fn digest(&self) -> String {
         hash_bytes(&to_json(&Self { accepted_by: Vec::new(), made_by: None, ..self.clone() }))
@@ -199,8 +201,8 @@ impl Store {
     /// Writes a manifest where there is none. One that differs by remarks alone is as good as this one.
     ///
     /// # Errors
-    /// The backend cannot write; or another process did the same stage from something else at the same time. Each has
-    /// then replaced shards of the other, so no manifest is left for them.
+    /// The backend cannot write; or another process did the same stage from something else at the same time.
+    /// Each has then replaced shards of the other, so no manifest is left for them.
     pub(crate) fn commit_manifest(&self, key: &str, manifest: &Manifest) -> Result<(), StoreError> {
         if self.backend().put_if_absent(key, &manifest.stage, &sealed(manifest))? {
             return Ok(());
@@ -212,7 +214,8 @@ impl Store {
         Err(StoreError::Contested { path: self.location(key) })
     }
 
-    /// Puts a manifest in the place of one that its writer has read: another process may have done the stage again since.
+    /// Puts a manifest in the place of one that its writer has read: another process may have done the stage
+    /// again since.
     ///
     /// # Errors
     /// The backend cannot write, or another manifest, or none, stands there now.

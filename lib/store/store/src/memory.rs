@@ -10,8 +10,8 @@ use bytes::Bytes;
 use crate::backend::{Backend, Shard, Sink, Unfinished};
 use crate::error::StoreError;
 
-/// Objects in memory, gone with the process. Its contract is that of an object store: an object is put whole, or on
-/// condition that there is none; an upload that nobody completed is listed apart.
+/// Objects in memory, gone with the process. Its contract is that of an object store: an object is put whole,
+/// or on condition that there is none; an upload that nobody completed is listed apart.
 ///
 /// ```
 /// use store::{Backend, Memory};
@@ -199,7 +199,8 @@ impl Backend for Memory {
     fn sweep(&self, folder: &str, owner: &str) -> Result<usize, StoreError> {
         let mut inner = self.inner();
         let before = inner.uploads.len();
-        // Only this process can see the place, and a process starts a stage once at a time: what is left is abandoned.
+        // Only this process can see the place, and a process starts a stage once at a time: what is left is
+        // abandoned.
         inner.uploads.retain(|_, upload| upload.owner != owner || !is_below(&upload.key, folder));
         Ok(before - inner.uploads.len())
     }

@@ -25,7 +25,8 @@ impl Store {
         Ok(rows)
     }
 
-    /// A table that a manifest names, some rows at a time. Columns that the row type does not name are not read.
+    /// A table that a manifest names, some rows at a time. Columns that the row type does not name are not
+    /// read.
     ///
     /// # Errors
     /// As [`Store::read_rows`]; later groups report their own.
@@ -33,8 +34,9 @@ impl Store {
         RowGroups::open(self.chunks(manifest, key)?, None)
     }
 
-    /// Some rows of such a table, in ascending ranges that do not overlap; what lies beyond its end is left out. Groups in
-    /// which no row is wanted are not read, and of the others only the wanted rows are decoded.
+    /// Some rows of such a table, in ascending ranges that do not overlap; what lies beyond its end is left
+    /// out. Groups in which no row is wanted are not read, and of the others only the wanted rows are
+    /// decoded.
     ///
     /// # Errors
     /// As [`Store::row_groups`].

@@ -81,7 +81,8 @@ impl Chunks {
         Self { shard: shard.into(), location, failed: Failed::default() }
     }
 
-    /// What went wrong: Parquet turns errors into text, so a failure of the place is told by what was remembered.
+    /// What went wrong: Parquet turns errors into text, so a failure of the place is told by what was
+    /// remembered.
     pub(crate) fn error(&self, error: &dyn std::fmt::Display) -> StoreError {
         match self.failed.take() {
             Some(source) => StoreError::read(&self.location, "read", source),

@@ -69,14 +69,15 @@ pub struct Verification {
     pub bytes: u64,
     /// What is wrong.
     pub findings: Vec<Finding>,
-    /// Files of tries that are running or were stopped half-way: the stage takes them up or away when it runs again.
+    /// Files of tries that are running or were stopped half-way: the stage takes them up or away when it runs
+    /// again.
     pub in_hand: Vec<String>,
     /// Objects that were begun and not completed.
     pub unfinished: Vec<Unfinished>,
 }
 
-/// Hashes every shard that a manifest names, and names files that belong to none and stages (of those `expected`)
-/// without one. `on_shard` is called after each shard.
+/// Hashes every shard that a manifest names, and names files that belong to none and stages (of those
+/// `expected`) without one. `on_shard` is called after each shard.
 ///
 /// # Errors
 /// The store cannot be listed or read. Faulty shards are findings, not errors.

@@ -249,8 +249,8 @@ pub(crate) fn write_columns(file: FileWriter, columns: Vec<(&str, Column)>) -> R
 }
 
 fn properties(schema: &Schema, options: &TableOptions) -> WriterProperties {
-    // Level 3 is zstd's own default; what comes frame by frame is large and must be fast; images are compressed
-    // already.
+    // Level 3 is zstd's own default; what comes frame by frame is large and must be fast; images are
+    // compressed already.
     let level = if options.rows_per_group == 1 { 1 } else { 3 };
     let compression = if options.compressed {
         Compression::UNCOMPRESSED

@@ -1,7 +1,9 @@
-//! Counts what boxes a frame has of things that stand still: `static-boxes [TOWN | MAP.xodr]...`, all of our towns without.
+//! Counts what boxes a frame has of things that stand still: `static-boxes [TOWN | MAP.xodr]...`, all of our
+//! towns without.
 //!
-//! As the published statistics do: unique objects within 200 m of any of five agents, which have come up to 150 m away from
-//! where the first one started. Start by start, drawn evenly among the places where vehicles may; means of a map in a row.
+//! As the published statistics do: unique objects within 200 m of any of five agents, which have come up to
+//! 150 m away from where the first one started. Start by start, drawn evenly among the places where vehicles
+//! may; means of a map in a row.
 #![allow(clippy::print_stdout, reason = "a tool for developers")]
 
 use std::collections::{BTreeMap, BTreeSet};

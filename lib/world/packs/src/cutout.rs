@@ -1,4 +1,5 @@
-//! Cut-outs as geometry: triangles whose picture is clear in places are cut along its edges, so that every sense sees the same.
+//! Cut-outs as geometry: triangles whose picture is clear in places are cut along its edges, so that every
+//! sense sees the same.
 
 use meshes::people::Bone;
 

@@ -145,8 +145,8 @@ fn split(bytes: &[u8]) -> Result<(&[u8], &[u8]), Problem> {
     if small(json) { Ok((json, binary)) } else { Err(too_large()) }
 }
 
-/// What holds of every glTF file, and what is not read. Whether numbers of other things are in range is looked at where they are used:
-/// `gltf-json`'s own check panics over some that are not.
+/// What holds of every glTF file, and what is not read. Whether numbers of other things are in range is
+/// looked at where they are used: `gltf-json`'s own check panics over some that are not.
 fn check(root: &Root) -> Result<(), Problem> {
     if let Some(extension) = root.extensions_required.first() {
         return Err(Problem::Extension(extension.clone()));

@@ -60,8 +60,8 @@ pub fn read_folder(folder: &Path) -> Result<Vec<PackModel>, PackError> {
     Ok(models)
 }
 
-/// A digest of everything in a folder: whether it changed since it was last asked for. What cannot be read counts as such; `None`: the
-/// folder is none, or has too many files, which [`read_folder`] says.
+/// A digest of everything in a folder: whether it changed since it was last asked for. What cannot be read
+/// counts as such; `None`: the folder is none, or has too many files, which [`read_folder`] says.
 #[must_use]
 pub fn digest(folder: &Path) -> Option<String> {
     let mut contents = BTreeMap::new();

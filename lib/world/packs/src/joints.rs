@@ -73,8 +73,8 @@ impl JointName {
         !matches!(self, Toes(_))
     }
 
-    /// What its joint is called, without side and decoration; the first that a rig has is meant. Chests turn at the waist, so the lowest
-    /// joint of the spine is theirs, and heads with their necks.
+    /// What its joint is called, without side and decoration; the first that a rig has is meant. Chests turn
+    /// at the waist, so the lowest joint of the spine is theirs, and heads with their necks.
     fn words(self) -> &'static [&'static str] {
         match self {
             Pelvis => &["hips", "pelvis", "hip", "spine"],
@@ -99,7 +99,8 @@ impl JointName {
     }
 }
 
-/// A joint's name without its side and what all names of its rig begin with: `mixamorig:LeftUpLeg`, `thigh_l`, `Bip01 L Thigh`, `thigh.L`.
+/// A joint's name without its side and what all names of its rig begin with: `mixamorig:LeftUpLeg`,
+/// `thigh_l`, `Bip01 L Thigh`, `thigh.L`.
 fn plain(name: &str) -> (String, Option<Side>) {
     let name = name.rsplit(':').next().unwrap_or(name);
     // Words end where a capital, a number or a sign begins.
@@ -145,7 +146,8 @@ fn plain(name: &str) -> (String, Option<Side>) {
     (kept, side)
 }
 
-/// The places in a list of names of those that are `mark`, as far as that is to be seen from the name. `taken`: places with another meaning.
+/// The places in a list of names of those that are `mark`, as far as that is to be seen from the name.
+/// `taken`: places with another meaning.
 pub(crate) fn recognised(mark: JointName, names: &[&str], taken: &dyn Fn(usize) -> bool) -> Option<usize> {
     let known: Vec<(String, Option<Side>)> = names.iter().map(|name| plain(name)).collect();
     mark.words().iter().find_map(|word| {

@@ -95,8 +95,8 @@ pub(crate) fn material_of(
     })
 }
 
-/// What alphas in the picture of a material are multiplied by, and the least that is there then. Of materials that blend what is next to
-/// invisible is cut out: panes may be drawn by alpha as well.
+/// What alphas in the picture of a material are multiplied by, and the least that is there then. Of materials
+/// that blend what is next to invisible is cut out: panes may be drawn by alpha as well.
 fn cut_at(material: &Material, alpha: f32) -> Option<(f32, f32)> {
     match material.alpha_mode {
         Checked::Valid(AlphaMode::Mask) => {

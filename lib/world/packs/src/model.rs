@@ -224,7 +224,8 @@ fn check_materials(document: &Document, sheet: &ModelManifest) -> Result<(), Pro
 const TOLERANCE: f64 = 0.02;
 const TOLERANCE_M: f64 = 0.02;
 
-/// The box around the finest level, which must have the size of the page; coarser ones must not stand out of it.
+/// The box around the finest level, which must have the size of the page; coarser ones must not stand out of
+/// it.
 fn extents(soup: &TriangleSoup, sheet: &ModelManifest) -> Result<[DVec3; 2], (Option<usize>, Problem)> {
     let mut first: Option<[DVec3; 2]> = None;
     for (level, triangles) in soup.levels.iter().enumerate() {

@@ -5,12 +5,13 @@ use glam::Vec3;
 use schema::Normal;
 use schema::geometry::TriMesh;
 
-/// Around a vertex with more triangles than this everything is flat: such fans are no surface, and would take long.
+/// Around a vertex with more triangles than this everything is flat: such fans are no surface, and would take
+/// long.
 const MOST_AROUND: usize = 64;
 
-/// Sets the normals of a mesh: those `given`, and for triangles without any the mean of the triangles around each corner that turn by less
-/// than `crease_rad`, by area and by the angle at the corner, so that it does not matter how quads are cut. Vertices are told apart by their
-/// place alone.
+/// Sets the normals of a mesh: those `given`, and for triangles without any the mean of the triangles around
+/// each corner that turn by less than `crease_rad`, by area and by the angle at the corner, so that it does
+/// not matter how quads are cut. Vertices are told apart by their place alone.
 pub(crate) fn set(mesh: &mut TriMesh, given: &[Option<[Vec3; 3]>], crease_rad: f64) {
     let faces: Vec<Vec3> = (0..mesh.triangles.len())
         .map(|t| {

@@ -80,7 +80,8 @@ impl Meaning {
     }
 }
 
-/// A picture whose colours are multiplied by factors, with its coarser copies: means of up to two by two texels, of their light.
+/// A picture whose colours are multiplied by factors, with its coarser copies: means of up to two by two
+/// texels, of their light.
 pub(crate) fn image(
     picture: &Level,
     factors: [f32; 3],

@@ -13,7 +13,8 @@ use crate::limits;
 use crate::picture::{Curve, Decoded, Meaning, decode, image};
 use crate::stencil::Stencil;
 
-/// A picture as it is used: its number, bits of the factors of its colours, what is beyond its edges, what its bytes mean.
+/// A picture as it is used: its number, bits of the factors of its colours, what is beyond its edges, what
+/// its bytes mean.
 type Use = (usize, [u32; 3], [u8; 2], u8);
 
 /// All that were asked for.

@@ -8,14 +8,15 @@ use meshes::people::{Bone, Side};
 use crate::body::Body;
 use crate::triangle_soup::Triangle;
 
-/// How far a cut bulges, as a share of its radius: joints that bend do not open. Feet would stick into the ground.
+/// How far a cut bulges, as a share of its radius: joints that bend do not open. Feet would stick into the
+/// ground.
 const BULGE: f64 = 0.4;
 
 /// The triangles of each bone in its frame.
 ///
-/// A triangle belongs to each bone that holds a corner of it, so that pieces overlap at joints; below the knees to the lowest alone, so that
-/// nothing of a shin that leans, or of a foot whose heel is up, is below the ground. What hangs on a foot is its toes' where it is ahead of
-/// their hinge.
+/// A triangle belongs to each bone that holds a corner of it, so that pieces overlap at joints; below the
+/// knees to the lowest alone, so that nothing of a shin that leans, or of a foot whose heel is up, is below
+/// the ground. What hangs on a foot is its toes' where it is ahead of their hinge.
 pub(crate) fn pieces(body: &Body, triangles: &[Triangle]) -> Vec<(Bone, Vec<Triangle>)> {
     let mut ids: BTreeMap<[u64; 3], u32> = BTreeMap::new();
     let mut edges: BTreeMap<[u32; 2], u16> = BTreeMap::new();

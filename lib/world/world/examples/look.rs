@@ -1,5 +1,6 @@
-//! Draws a sheet of all models and two views of a town, to look at: `look OUT_DIR [TOWN | MAP.xodr [X Y [MODEL]]]`.
-//! With a model: things of it (or whose name begins so), as they look from where they look to.
+//! Draws a sheet of all models and two views of a town, to look at:
+//! `look OUT_DIR [TOWN | MAP.xodr [X Y [MODEL]]]`. With a model: things of it (or whose name begins so), as
+//! they look from where they look to.
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a tool for developers")]
 
 use std::error::Error;

@@ -3,8 +3,10 @@
 //! [`SceneWorld`] turns the log's actors and the ground of its tiles into triangles: [`SceneWorld::snapshot`] gives everything
 //! near a place at one frame. Whoever builds a world from the same rows and ground gets the same triangles.
 //!
-//! * The ground (road, paint, sidewalks, terrain, bridges) comes in pieces; each layer is one object (crate `tiles`).
-//! * Actors come from their model name, size and variant (crate `actors`); wheels and limbs are pieces of the same object.
+//! * The ground (road, paint, sidewalks, terrain, bridges) comes in pieces; each layer is one object (crate
+//!   `tiles`).
+//! * Actors come from their model name, size and variant (crate `actors`); wheels and limbs are pieces of the
+//!   same object.
 //!
 //! ```
 //! use schema::tables::{ActorRow, FrameRow, StateRow};

@@ -24,8 +24,8 @@ const EMERGENCY_HZ: f64 = 2.0;
 /// The golden ratio: no two objects flash in step.
 const OUT_OF_STEP: f64 = 0.618_033_988_749_895;
 
-/// The lamps of a state that burn at a time: those that flash do so in the first half of their period; of the emergency
-/// lights one half burns while the other is dark.
+/// The lamps of a state that burn at a time: those that flash do so in the first half of their period; of the
+/// emergency lights one half burns while the other is dark.
 pub(crate) fn flashing(state: &StateRow, time_s: f64) -> u32 {
     let offset = OUT_OF_STEP * f64::from(state.id);
     let first_half = |hz: f64| (time_s * hz + offset).rem_euclid(1.0) < 0.5;

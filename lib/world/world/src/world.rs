@@ -87,7 +87,8 @@ impl Sphere {
     }
 }
 
-/// Distances from the snapshot's centre to the object's origin at which a piece is there: all of an object are then of one level.
+/// Distances from the snapshot's centre to the object's origin at which a piece is there: all of an object
+/// are then of one level.
 #[derive(Clone, Copy, Debug)]
 struct Range {
     from_m: f64,
@@ -187,7 +188,8 @@ impl Library {
         (self.meshes.len() - 1) as u32
     }
 
-    /// A library with the models of some rows at hand: they are made side by side, and numbered when they are asked for.
+    /// A library with the models of some rows at hand: they are made side by side, and numbered when they are
+    /// asked for.
     fn with_models_of(rows: &[&ActorRow], own: &OwnModels, light: Light) -> Self {
         let keys: BTreeSet<ModelKey> = rows.iter().map(|actor| model_key(actor, own)).collect();
         let make = |key: ModelKey| {
@@ -239,8 +241,8 @@ impl Library {
 }
 
 impl SceneWorld {
-    /// Builds the meshes of a scene: actors from their rows, and the ground, of which each layer is the object that the row
-    /// of kind `surface` and of its name stands for. A layer without a row is left out.
+    /// Builds the meshes of a scene: actors from their rows, and the ground, of which each layer is the
+    /// object that the row of kind `surface` and of its name stands for. A layer without a row is left out.
     ///
     /// # Errors
     /// An id is used twice, a model is unknown, or a row has numbers that are not usable.
@@ -372,8 +374,8 @@ impl SceneWorld {
         self.fixed.push(fixed);
     }
 
-    /// Gives street lamps and windows the light that the log says. Without it they have their nominal one; lamps that do
-    /// not work stay dark.
+    /// Gives street lamps and windows the light that the log says. Without it they have their nominal one;
+    /// lamps that do not work stay dark.
     pub fn set_lamps(&mut self, rows: &[LampRow]) {
         let rows: BTreeMap<ObjectId, &LampRow> = rows.iter().map(|row| (row.id, row)).collect();
         for fixed in &mut self.fixed {
@@ -396,11 +398,11 @@ impl SceneWorld {
         Arc::clone(&self.meshes)
     }
 
-    /// The instances within `radius_m` (by bounding spheres) of a place: first what never moves, by id and piece, then what
-    /// moves, by id and piece.
+    /// The instances within `radius_m` (by bounding spheres) of a place: first what never moves, by id and
+    /// piece, then what moves, by id and piece.
     ///
-    /// Rows of objects that are not among the scene's moving actors, or whose numbers are not finite, are passed
-    /// over; moving actors without a state are absent.
+    /// Rows of objects that are not among the scene's moving actors, or whose numbers are not finite, are
+    /// passed over; moving actors without a state are absent.
     #[must_use]
     pub fn snapshot(&self, moment: &Moment<'_>, centre_world_m: [f64; 3], radius_m: f64) -> Snapshot {
         let origin = LocalOrigin::near(centre_world_m);
@@ -480,8 +482,8 @@ impl SceneWorld {
         Snapshot { origin, meshes: self.meshes(), instances, cabins, motions }
     }
 
-    /// What never moves within `radius_m` (by bounding spheres) of a place, by id and piece, as detailed as it is at
-    /// [`STILL_M`]; no lamp burns.
+    /// What never moves within `radius_m` (by bounding spheres) of a place, by id and piece, as detailed as
+    /// it is at [`STILL_M`]; no lamp burns.
     #[must_use]
     pub fn still(&self, centre_world_m: [f64; 3], radius_m: f64) -> Snapshot {
         let origin = LocalOrigin::near(centre_world_m);

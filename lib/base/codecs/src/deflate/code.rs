@@ -7,7 +7,8 @@ pub(super) struct Code<const N: usize> {
 }
 
 impl<const N: usize> Code<N> {
-    /// The code of some lengths (RFC 1951, 3.2.2): shorter ones first, equal ones by symbol; written from the highest bit on.
+    /// The code of some lengths (RFC 1951, 3.2.2): shorter ones first, equal ones by symbol; written from the
+    /// highest bit on.
     pub(super) fn new(lengths: &[u8; N]) -> Self {
         let mut next = [0_u32; 17];
         lengths.iter().filter(|length| **length > 0).for_each(|length| next[usize::from(*length) + 1] += 1);
@@ -31,8 +32,8 @@ impl<const N: usize> Code<N> {
     }
 }
 
-/// How many bits each symbol gets, at most `limit`: by how often it occurs (Huffman), in coarser counts where that makes too
-/// long codes. Readers want complete codes: at least two symbols have one.
+/// How many bits each symbol gets, at most `limit`: by how often it occurs (Huffman), in coarser counts where
+/// that makes too long codes. Readers want complete codes: at least two symbols have one.
 pub(super) fn lengths<const N: usize>(counts: &[u32; N], limit: u8) -> [u8; N] {
     let mut counts = *counts;
     for symbol in 0..2 {

@@ -1,9 +1,9 @@
 //! DEFLATE (RFC 1951) of records of equal length: fast, because it knows where bytes come back.
 //!
-//! General compressors look for repeats everywhere. In a list of points or a field of vectors they find them in few places: a
-//! record before, or a row of the picture before. The rest is digits of measurements, which only a code of their frequencies
-//! shortens. Looking nowhere else takes a quarter of the time of zlib-rs at its fastest two levels, and what comes out is
-//! smaller than those make of it.
+//! General compressors look for repeats everywhere. In a list of points or a field of vectors they find them
+//! in few places: a record before, or a row of the picture before. The rest is digits of measurements, which
+//! only a code of their frequencies shortens. Looking nowhere else takes a quarter of the time of zlib-rs at
+//! its fastest two levels, and what comes out is smaller than those make of it.
 
 mod code;
 
@@ -195,7 +195,8 @@ impl<'a> Block<'a> {
     }
 }
 
-/// The symbol of a distance with its extra bits. RFC 1951, 3.2.5: symbols 2 k and 2 k + 1 share their number of extra bits, k - 1.
+/// The symbol of a distance with its extra bits. RFC 1951, 3.2.5: symbols 2 k and 2 k + 1 share their number
+/// of extra bits, k - 1.
 fn back_symbol(distance: usize) -> (usize, u32, u32) {
     let zero_based = (distance - 1) as u32;
     if zero_based < 4 {
@@ -257,7 +258,8 @@ impl Bits {
         self.held |= bits << self.count;
         self.count += count;
         let whole = self.count / 8;
-        // One store of fixed length, of which the last bytes are taken back: faster than one of as many as there are.
+        // One store of fixed length, of which the last bytes are taken back: faster than one of as many as
+        // there are.
         self.bytes.extend_from_slice(&self.held.to_le_bytes());
         self.bytes.truncate(self.bytes.len() - 8 + whole as usize);
         self.held >>= 8 * whole;

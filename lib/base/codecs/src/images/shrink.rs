@@ -4,8 +4,8 @@ use super::error::ImageError;
 use super::jpeg::{Chroma, decode_jpeg, encode_jpeg};
 use super::rgb::Limits;
 
-/// The JPEG of an image at most so many pixels wide, of a quality from 1 to 100: each pixel is the mean of those that it
-/// covers.
+/// The JPEG of an image at most so many pixels wide, of a quality from 1 to 100: each pixel is the mean of
+/// those that it covers.
 ///
 /// # Errors
 /// It is no JPEG, or too large for one.

@@ -14,8 +14,8 @@ use crate::npy;
 /// Compression level for grids and masks: close to the smallest, at a fraction of the time of zlib's usual 6.
 pub const DEFAULT_LEVEL: u32 = 2;
 
-/// Input is checksummed and compressed in pieces of this size, so that the second reads what the first left in
-/// the processor's cache.
+/// Input is checksummed and compressed in pieces of this size, so that the second reads what the first left
+/// in the processor's cache.
 const PIECE: usize = 256 << 10;
 
 /// A member ready to be appended: compressed, with its sizes and checksum.
@@ -101,8 +101,8 @@ pub fn encode_member(
     Ok(EncodedMember { name: name.to_owned(), method, crc: crc.finalize(), plain_len, data })
 }
 
-/// Encodes an array of measurements as a member of an archive, faster and smaller than [`encode_member`] at its fastest: it
-/// shortens bytes by how often they occur, and looks for repeats only where it is told.
+/// Encodes an array of measurements as a member of an archive, faster and smaller than [`encode_member`] at
+/// its fastest: it shortens bytes by how often they occur, and looks for repeats only where it is told.
 ///
 /// # Errors
 /// As [`encode_member`].

@@ -153,8 +153,8 @@ impl<R: Read + Seek> NpzReader<R> {
         }
     }
 
-    /// Takes one member out without decompressing more than its header: to be appended to another archive. Its checksum goes
-    /// with it and is not checked.
+    /// Takes one member out without decompressing more than its header: to be appended to another archive.
+    /// Its checksum goes with it and is not checked.
     ///
     /// # Errors
     /// As [`NpzReader::read`], as far as sizes and the header show it.
@@ -196,7 +196,8 @@ impl<R: Read + Seek> NpzReader<R> {
         self.read_into(name, Vec::new())
     }
 
-    /// As [`NpzReader::read`], with the memory of an array that is no longer needed: large ones cost as much to set aside as to read.
+    /// As [`NpzReader::read`], with the memory of an array that is no longer needed: large ones cost as much
+    /// to set aside as to read.
     ///
     /// # Errors
     /// As [`NpzReader::read`].

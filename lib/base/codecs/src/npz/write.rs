@@ -14,8 +14,8 @@ const UNIX_MODE: u32 = 0o100_644;
 
 /// Writes a numpy archive to a stream, front to back, without seeking.
 ///
-/// Members and archives beyond 4 GiB or 65,535 members get 64-bit records. Members have no time, so that bytes
-/// depend on data alone.
+/// Members and archives beyond 4 GiB or 65,535 members get 64-bit records. Members have no time, so that
+/// bytes depend on data alone.
 ///
 /// ```
 /// use codecs::{DEFAULT_LEVEL, NpzWriter, Scalar, encode_member, frame_member};
@@ -26,8 +26,8 @@ const UNIX_MODE: u32 = 0o100_644;
 /// assert!(archive.starts_with(b"PK"));
 /// # Ok::<(), codecs::NpzError>(())
 /// ```
-// `rawzip` rather than `zip`: it takes members that are compressed already, as those are that were encoded on all
-// threads, writes to a stream that cannot seek, and has no dependencies.
+// `rawzip` rather than `zip`: it takes members that are compressed already, as those are that were encoded on
+// all threads, writes to a stream that cannot seek, and has no dependencies.
 #[derive(Debug)]
 pub struct NpzWriter<W: Write> {
     archive: ZipArchiveWriter<Tail<W>>,
@@ -42,7 +42,8 @@ impl<W: Write> NpzWriter<W> {
         Self { archive, names: BTreeSet::new(), comment: String::new() }
     }
 
-    /// Gives the archive a comment: what it says of itself. `zipfile.ZipFile(...).comment` shows it, numpy passes over it.
+    /// Gives the archive a comment: what it says of itself. `zipfile.ZipFile(...).comment` shows it, numpy
+    /// passes over it.
     ///
     /// # Errors
     /// [`NpzError::Invalid`] when it is longer than 65,535 bytes.
@@ -100,8 +101,8 @@ pub fn archive_of(member: EncodedMember) -> Result<Vec<u8>, NpzError> {
     writer.finish()
 }
 
-/// Holds back the last two bytes of what is written: of an archive they are the length of its comment, for which `rawzip`
-/// writes 0.
+/// Holds back the last two bytes of what is written: of an archive they are the length of its comment, for
+/// which `rawzip` writes 0.
 #[derive(Debug)]
 struct Tail<W> {
     stream: W,

@@ -88,13 +88,15 @@ fn codes_of_very_unequal_frequencies_are_cut_to_15_bits() {
 #[test]
 fn sizes_are_what_the_frequencies_say() {
     let overhead = 128 + 5 + 2; // The header in a block of its own, and the last block.
-    // Four bytes equally often, and the end of the block: codes of 2, 2, 2, 3 and 3 bits, so 2.25 bits a byte.
+    // Four bytes equally often, and the end of the block: codes of 2, 2, 2, 3 and 3 bits, so 2.25 bits a
+    // byte.
     let four: Vec<u8> = (0..60_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 30) as u8).collect();
     let (found, size) = back(&four, Repeats::NONE);
     assert_eq!(found, four);
     assert!((16_875..16_875 + 200 + overhead).contains(&size), "{size}");
-    // Records of four random bytes and eight that stay. Of five symbols one is the repeat: 2 bits, and 1 + 2 for its distance; the
-    // others share three quarters of the codes, 8.4 bits each. Makes 4.84 bytes, and 0.06 for the codes of two blocks.
+    // Records of four random bytes and eight that stay. Of five symbols one is the repeat: 2 bits, and 1 + 2
+    // for its distance; the others share three quarters of the codes, 8.4 bits each. Makes 4.84 bytes, and
+    // 0.06 for the codes of two blocks.
     let noise = |i: u32| i.wrapping_mul(2_654_435_761).rotate_left(i % 31).wrapping_mul(i | 1).to_le_bytes();
     let records: Vec<u8> =
         (0..5_000_u32).flat_map(|i| [noise(i), [9, 0, 0, 0], [3, 0, 0, 0]].concat()).collect();

@@ -1,5 +1,5 @@
-//! Archives of arrays that stages write for each agent, one array a frame. Each is a file of its own: a new kind makes no
-//! stage stale.
+//! Archives of arrays that stages write for each agent, one array a frame. Each is a file of its own: a new
+//! kind makes no stage stale.
 
 mod bev;
 mod kind;

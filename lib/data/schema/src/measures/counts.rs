@@ -1,7 +1,7 @@
 //! Partial statistics: counts that add up over frames, agents and scenes.
 //!
-//! Each stage counts what it has in hand and writes the rows beside its shards; `stats` adds them up and never opens the
-//! shards themselves. Measures, classes and bins are those of [`crate::measures`].
+//! Each stage counts what it has in hand and writes the rows beside its shards; `stats` adds them up and
+//! never opens the shards themselves. Measures, classes and bins are those of [`crate::measures`].
 
 use std::collections::BTreeMap;
 
@@ -33,15 +33,15 @@ impl PartialCounts {
         Self::default()
     }
 
-    /// Adds to one count. Measures, classes and bins are those of [`crate::measures`]; the agent is empty for counts
-    /// that are not one agent's.
+    /// Adds to one count. Measures, classes and bins are those of [`crate::measures`]; the agent is empty for
+    /// counts that are not one agent's.
     pub fn add(&mut self, agent: &str, measure: &str, class: &str, bin: i32, count: u64) {
         let key = Key { agent: agent.to_owned(), measure: measure.to_owned(), class: class.to_owned(), bin };
         *self.counts.entry(key).or_default() += count;
     }
 
-    /// Adds to the counts of bins 0, 1, 2, ... of one class: thousands of them without a look-up for each. A measure is
-    /// counted this way or by [`PartialCounts::add`], not both.
+    /// Adds to the counts of bins 0, 1, 2, ... of one class: thousands of them without a look-up for each. A
+    /// measure is counted this way or by [`PartialCounts::add`], not both.
     pub fn add_bins(&mut self, agent: &str, measure: &str, class: &str, counts: &[u32]) {
         let key = (agent.to_owned(), measure.to_owned(), class.to_owned());
         let bins = self.grids.entry(key).or_default();

@@ -8,6 +8,6 @@ pub const RADAR_POINTS: &str = "radar_points";
 pub const SWEEPS: &str = "sweeps";
 /// Images. Class: kind (`RGB`, `SEG`, ...).
 pub const IMAGES: &str = "images";
-/// Bytes of the finished tables of sensors. Class: sensor name, or kind of image, or the name of another table
-/// (`visible`). Rows carry the agent.
+/// Bytes of the finished tables of sensors. Class: sensor name, or kind of image, or the name of another
+/// table (`visible`). Rows carry the agent.
 pub const SENSOR_BYTES: &str = "sensor_bytes";

@@ -1,6 +1,8 @@
-//! What `postprocess-valid` counts of the boxes that agents saw, agent by agent: an object that two agents see counts twice.
+//! What `postprocess-valid` counts of the boxes that agents saw, agent by agent: an object that two agents
+//! see counts twice.
 
-/// Boxes by distance and lidar points in them, those with a point. Class: detection class; bin: [`bin_of_points`].
+/// Boxes by distance and lidar points in them, those with a point. Class: detection class; bin:
+/// [`bin_of_points`].
 pub const LIDAR_POINTS_AT: &str = "lidar_points_at";
 /// The same of radar points.
 pub const RADAR_POINTS_AT: &str = "radar_points_at";
@@ -33,8 +35,8 @@ pub fn bin_of_points(distance_m: f64, points: u32) -> Option<i32> {
     Some(step as i32 * LEVELS + level.min(LEVELS - 1))
 }
 
-/// The bin of a box at an angle to the left of an agent's forward axis, rad, and a distance, m: a square, row by row from the
-/// far left, as BEV masks are. None beyond the last.
+/// The bin of a box at an angle to the left of an agent's forward axis, rad, and a distance, m: a square, row
+/// by row from the far left, as BEV masks are. None beyond the last.
 #[must_use]
 pub fn bin_of_place(angle_rad: f64, distance_m: f64) -> Option<i32> {
     let (sin, cos) = frames::math::sin_cos(angle_rad);
@@ -57,7 +59,8 @@ mod tests {
         assert_eq!(bin_of_points(119.9, 10), Some(23 * LEVELS + 8));
         assert_eq!(bin_of_points(1.0, u32::MAX), Some(LEVELS - 1));
         assert_eq!([bin_of_points(120.0, 9), bin_of_points(3.0, 0), bin_of_points(f64::NAN, 3)], [None; 3]);
-        // 30 m ahead: 170 m from the edge, square 34; a little to the left of the middle and a little to the right.
+        // 30 m ahead: 170 m from the edge, square 34; a little to the left of the middle and a little to the
+        // right.
         assert_eq!(bin_of_place(0.001, 30.0), Some(34 * PLACES + 39));
         assert_eq!(bin_of_place(-0.001, 30.0), Some(34 * PLACES + 40));
         // 62 m to the left, 62 m behind on the right, in the corner beyond the circle of 200 m.

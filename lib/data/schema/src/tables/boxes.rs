@@ -17,7 +17,8 @@ table! {
         model: String,
         /// Semantic tags.
         semantic_tags: Vec<u8>,
-        /// Eight corners in the world, m, x y z each: 0 to 4 is the length, 0 to 2 the width (0 is left), 0 to 1 the height.
+        /// Eight corners in the world, m, x y z each: 0 to 4 is the length, 0 to 2 the width (0 is left), 0
+        /// to 1 the height.
         corners_m: [f64; 24],
         /// Centre of the box in the world, m.
         center_m: [f64; 3],
@@ -29,7 +30,8 @@ table! {
         velocity_mps: [f32; 3],
         /// Angular velocity in the world, rad/s.
         angular_velocity_radps: [f32; 3],
-        /// 3-D distance from the agent's origin to the object's, m: the middle of its footprint, of people that of the body.
+        /// 3-D distance from the agent's origin to the object's, m: the middle of its footprint, of people
+        /// that of the body.
         distance_m: f64,
         /// Angle from the agent's forward axis to the object, rad, positive left; null for the agent itself.
         angle_rad: Option<f64>,

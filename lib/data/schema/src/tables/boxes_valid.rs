@@ -21,7 +21,8 @@ table! {
         valid_flag: bool,
         /// `easy`, `medium` or `hard`.
         difficulty: String,
-        /// Pixels of the object's parts with one of the box's `semantic_tags`, in the agent's instance images.
+        /// Pixels of the object's parts with one of the box's `semantic_tags`, in the agent's instance
+        /// images.
         num_pixels: u32,
         /// Box in the world as eight corners, m, as in `boxes`.
         corners_m: [f64; 24],

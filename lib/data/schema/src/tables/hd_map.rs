@@ -69,11 +69,14 @@ table! {
         right_lane_change: Option<String>,
         /// Offset of the agent's origin from the lane's centre, m, positive left in travel direction.
         lane_offset_m: f64,
-        /// OpenDRIVE id of the next junction ahead (inside a junction the one after it); null when there is none within 500 m of way. Ways follow the lane graph without lane changes; of all branches the shortest counts.
+        /// OpenDRIVE id of the next junction ahead (inside a junction the one after it); null when there is
+        /// none within 500 m of way. Ways follow the lane graph without lane changes; of all branches the
+        /// shortest counts.
         next_junction_id: Option<String>,
         /// Way along the lanes from the point above to where that junction begins, m.
         next_junction_m: Option<f64>,
-        /// OpenDRIVE ids of the lights and stop signs that hold traffic at the next stop line ahead; empty when there is none within 500 m.
+        /// OpenDRIVE ids of the lights and stop signs that hold traffic at the next stop line ahead; empty
+        /// when there is none within 500 m.
         signal_ids: Vec<String>,
         /// Way to that stop line, m.
         stop_line_m: Option<f64>,
@@ -81,7 +84,8 @@ table! {
         crosswalk_id: Option<String>,
         /// Way to it, m; 0 on it.
         crosswalk_m: Option<f64>,
-        /// Distance from the agent's origin to the nearest sidewalk, m; 0 on it, null when there is none within 50 m.
+        /// Distance from the agent's origin to the nearest sidewalk, m; 0 on it, null when there is none
+        /// within 50 m.
         sidewalk_m: Option<f64>,
     }
 }

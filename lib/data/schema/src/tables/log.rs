@@ -8,7 +8,8 @@ table! {
     ActorRow in "log/actors" by "simulate-and-log" {
         /// Object id, 1..=65535.
         id: u16,
-        /// `vehicle`, `walker`, `rsu`, `traffic_light`, `sign`, `prop`, `parked`, `building`, `vegetation`, `pole`, `surface`.
+        /// `vehicle`, `walker`, `rsu`, `traffic_light`, `sign`, `prop`, `parked`, `building`, `vegetation`,
+        /// `pole`, `surface`.
         kind: ActorKind,
         /// Model name; the mesh is made from it and the columns below.
         model: String,
@@ -56,21 +57,30 @@ table! {
         velocity_mps: [f32; 3],
         /// Angular velocity in the world, rad/s.
         angular_velocity_radps: [f32; 3],
-        /// What of the orientation's roll and pitch (it is Rz(yaw) Ry(pitch) Rx(roll)) is a body's lean on its springs, rad: right side down, nose down. Wheels stand on the ground by the pose without it; zeros of all but vehicles on four wheels.
+        /// What of the orientation's roll and pitch (it is Rz(yaw) Ry(pitch) Rx(roll)) is a body's lean on
+        /// its springs, rad: right side down, nose down. Wheels stand on the ground by the pose without it;
+        /// zeros of all but vehicles on four wheels.
         lean_rad: [f32; 2],
         /// Steering angle of the front wheels, rad, positive left.
         steer_rad: f32,
-        /// Rotation of the wheels since the start, rad; of walkers the gait phase, which goes on while they stand (not of those with a pram).
+        /// Rotation of the wheels since the start, rad; of walkers the gait phase, which goes on while they
+        /// stand (not of those with a pram).
         phase_rad: f32,
-        /// Speed that a walker strides at, m/s: its own, smoothed. With the phase it says where arms and legs are.
+        /// Speed that a walker strides at, m/s: its own, smoothed. With the phase it says where arms and legs
+        /// are.
         gait_mps: f32,
-        /// Height of the seat that a walker sits on (of a bench), m; 0 of all others. Who sits does so for the whole scene, unless a vehicle hits them.
+        /// Height of the seat that a walker sits on (of a bench), m; 0 of all others. Who sits does so for
+        /// the whole scene, unless a vehicle hits them.
         seat_m: f32,
-        /// Length, width and height of the box about a walker's pose, m; zeros of what keeps the size of its row in `actors`.
+        /// Length, width and height of the box about a walker's pose, m; zeros of what keeps the size of its
+        /// row in `actors`.
         size_m: [f32; 3],
-        /// Lamps that burn, as bits: 1 position, 2 low beam, 4 high beam, 8 brake, 16 and 32 blinkers right and left, 64 reverse, 128 fog, 512 emergency. Blinkers and emergency lights flash while they are on.
+        /// Lamps that burn, as bits: 1 position, 2 low beam, 4 high beam, 8 brake, 16 and 32 blinkers right
+        /// and left, 64 reverse, 128 fog, 512 emergency. Blinkers and emergency lights flash while they are
+        /// on.
         lights: u32,
-        /// How far the doors stand open, rad: front left, front right, rear left, rear right. Boxes do not include open doors.
+        /// How far the doors stand open, rad: front left, front right, rear left, rear right. Boxes do not
+        /// include open doors.
         door_rad: [f32; 4],
         /// Whether it stands still because all agents are farther away than `traffic.active_distance_m`.
         dormant: bool,

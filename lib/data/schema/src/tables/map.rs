@@ -57,25 +57,32 @@ impl VectorKind {
 }
 
 table! {
-    /// One row per element of a map: lines and polygons in the world, with the lane graph. Chords stay within 2 cm of the true curves.
+    /// One row per element of a map: lines and polygons in the world, with the lane graph. Chords stay within
+    /// 2 cm of the true curves.
     VectorMapRow in "maps/NAME.vector" by "spawn-planner" {
         /// Number of the element: its row, from 0. Lanes come first: `hd_map.lane` is a lane's number here.
         id: u32,
-        /// `lane_centreline`, `lane_boundary`, `signal` (a point), `divider` (a painted line), `kerb`, `crosswalk`, `stop_line`, `sidewalk`, `junction`; polygons are the crosswalks, sidewalks and junctions.
+        /// `lane_centreline`, `lane_boundary`, `signal` (a point), `divider` (a painted line), `kerb`,
+        /// `crosswalk`, `stop_line`, `sidewalk`, `junction`; polygons are the crosswalks, sidewalks and
+        /// junctions.
         kind: String,
-        /// World x of its points, m. Lanes run in the direction of travel, boundaries, dividers and kerbs with the road's s, stop lines from left to right seen by the held traffic.
+        /// World x of its points, m. Lanes run in the direction of travel, boundaries, dividers and kerbs
+        /// with the road's s, stop lines from left to right seen by the held traffic.
         x_m: Vec<f64>,
         /// World y of its points, m.
         y_m: Vec<f64>,
         /// World z of its points, m: the road's surface, kerb heights left out (signals: their origin).
         z_m: Vec<f64>,
-        /// Polygons: index of each ring's first point. The first ring is the outline, counter-clockwise, others are holes, clockwise; each ring repeats its first point at its end. Lines and points: empty.
+        /// Polygons: index of each ring's first point. The first ring is the outline, counter-clockwise,
+        /// others are holes, clockwise; each ring repeats its first point at its end. Lines and points:
+        /// empty.
         rings: Vec<u32>,
         /// OpenDRIVE id of its road.
         road_id: Option<String>,
         /// Number of its lane section in the road, from 0.
         section_id: Option<i32>,
-        /// OpenDRIVE lane id; of boundaries, dividers and kerbs the lane whose outer border it lies on (0: the centre line).
+        /// OpenDRIVE lane id; of boundaries, dividers and kerbs the lane whose outer border it lies on (0:
+        /// the centre line).
         lane_id: Option<i32>,
         /// OpenDRIVE id of the crosswalk, stop line, junction or signal itself.
         opendrive_id: Option<String>,
@@ -83,7 +90,8 @@ table! {
         s_m: Vec<f64>,
         /// Lanes: type, as in `hd_map`.
         lane_type: Option<String>,
-        /// Lanes: direction of travel relative to the road's s: `forward`, `backward`, or `both` (then points run in the direction its side suggests).
+        /// Lanes: direction of travel relative to the road's s: `forward`, `backward`, or `both` (then points
+        /// run in the direction its side suggests).
         travel: Option<String>,
         /// Lanes: mean width, m. Dividers, kerbs, stop lines: width of the line, m.
         width_m: Option<f64>,
@@ -103,7 +111,8 @@ table! {
         right: Vec<u32>,
         /// Lanes: numbers of its left and right boundary, in the direction of travel.
         boundaries: Vec<u32>,
-        /// Numbers of the lanes it belongs to, ascending: beside a boundary or divider, held by a stop line or signal, under a crosswalk, in a sidewalk or junction.
+        /// Numbers of the lanes it belongs to, ascending: beside a boundary or divider, held by a stop line
+        /// or signal, under a crosswalk, in a sidewalk or junction.
         lanes: Vec<u32>,
         /// Lanes, stop lines: numbers of the signals that hold for it.
         signals: Vec<u32>,
@@ -117,7 +126,8 @@ table! {
         is_edge: bool,
         /// Stop lines: whether it is derived from a light or sign because the map has no line there.
         is_derived: bool,
-        /// Signals: `traffic_light` where its state changes, `stop`, `yield`, else the type in its country's catalogue.
+        /// Signals: `traffic_light` where its state changes, `stop`, `yield`, else the type in its country's
+        /// catalogue.
         signal_type: Option<String>,
         /// Signals: heading of the traffic it is for, rad.
         heading_rad: Option<f64>,

@@ -1,5 +1,5 @@
-//! The row types of every table in a store. Tables that other stages read are files of their own, so that a change makes
-//! just those stale that know the table.
+//! The row types of every table in a store. Tables that other stages read are files of their own, so that a
+//! change makes just those stale that know the table.
 
 mod agents;
 mod boxes;

@@ -45,7 +45,8 @@ table! {
         random_building_colors: bool,
         /// Hazards tried; those that found room are rows of `plan/hazards`.
         hazard_attempts: u32,
-        /// Clustered: the point around which the vehicle agents were drawn; chained: the first one's spawn point, m.
+        /// Clustered: the point around which the vehicle agents were drawn; chained: the first one's spawn
+        /// point, m.
         pivot_xyz_m: [f64; 3],
     }
 }

@@ -35,7 +35,8 @@ table! {
         width: u32,
         /// Image height, pixels.
         height: u32,
-        /// Motion to the right since the last frame, row by row; the image is 2 units wide. A multiple of 2^-17.
+        /// Motion to the right since the last frame, row by row; the image is 2 units wide. A multiple of
+        /// 2^-17.
         dx: Vec<f32>,
         /// Motion up since the last frame, row by row; the image is 2 units high. A multiple of 2^-17.
         dy: Vec<f32>,
@@ -77,7 +78,8 @@ table! {
         intensity: Vec<f32>,
         /// Beam number, 0 is the highest.
         ring: Vec<u16>,
-        /// Seconds after the frame's time at which the ray was fired: 0, or with `lidar.rolling` between minus a frame period and 0.
+        /// Seconds after the frame's time at which the ray was fired: 0, or with `lidar.rolling` between
+        /// minus a frame period and 0.
         time_offset_s: Vec<f32>,
         /// Cosine of the angle between ray and surface normal, 0 to 1.
         cos_angle: Vec<f32>,
@@ -117,14 +119,16 @@ table! {
 }
 
 table! {
-    /// Further columns of the tables of lidars and semantic lidars with `beam_rays` above 1, `weather` or `glass`; of others every return
-    /// is the only one of its beam, from a surface. Returns of a beam stand together, the nearest first.
+    /// Further columns of the tables of lidars and semantic lidars with `beam_rays` above 1, `weather` or
+    /// `glass`; of others every return is the only one of its beam, from a surface. Returns of a beam stand
+    /// together, the nearest first.
     LidarReturnsRow in "sensors/{agent}/{lidar}" by "render-sensors" {
         /// Number of the return among those of its beam, from 1.
         return_number: Vec<u8>,
         /// Returns of its beam.
         return_count: Vec<u8>,
-        /// What sent the light back: 0 a surface, 1 fog, 2 a drop of rain, 3 a surface behind a pane or an open door. Fog and rain have object id, tag and `cos_angle` 0.
+        /// What sent the light back: 0 a surface, 1 fog, 2 a drop of rain, 3 a surface behind a pane or an
+        /// open door. Fog and rain have object id, tag and `cos_angle` 0.
         return_kind: Vec<u8>,
     }
 }
@@ -142,10 +146,11 @@ table! {
         altitude: Vec<f32>,
         /// Angle to the left of the sensor's axis, rad.
         azimuth: Vec<f32>,
-        /// Radial velocity of the body hit relative to the sensor, m/s, positive receding; with `radar.micro_motion` of the surface
-        /// hit: of turning wheels and swinging limbs, too.
+        /// Radial velocity of the body hit relative to the sensor, m/s, positive receding; with
+        /// `radar.micro_motion` of the surface hit: of turning wheels and swinging limbs, too.
         velocity: Vec<f32>,
-        /// Cross-section of the patch that the ray stands for, dB of 1 m2; those of an object's returns add up (as m2) to its own.
+        /// Cross-section of the patch that the ray stands for, dB of 1 m2; those of an object's returns add
+        /// up (as m2) to its own.
         rcs_dbsm: Vec<f32>,
         /// Signal to noise, dB.
         snr_db: Vec<f32>,
@@ -203,9 +208,9 @@ table! {
 }
 
 table! {
-    /// Boxes in the pictures: one row per frame, camera and object with a detection class that the camera shows. A box is
-    /// left, top, right, bottom in pixels from the picture's corner; pixel (0, 0) reaches from 0 to 1. Parts of other tags
-    /// (the pole of a traffic light) are not in it.
+    /// Boxes in the pictures: one row per frame, camera and object with a detection class that the camera
+    /// shows. A box is left, top, right, bottom in pixels from the picture's corner; pixel (0, 0) reaches
+    /// from 0 to 1. Parts of other tags (the pole of a traffic light) are not in it.
     Box2dRow in "sensors/{agent}/boxes_2d" by "render-sensors" {
         /// Frame number.
         frame: u32,
@@ -219,8 +224,8 @@ table! {
         pixels: u32,
         /// Box around these pixels.
         visible_px: [f32; 4],
-        /// Box around all of the object that is before the camera and that its lens may show, hidden or outside of the picture or
-        /// not; no farther outside than the picture is wide and high.
+        /// Box around all of the object that is before the camera and that its lens may show, hidden or
+        /// outside of the picture or not; no farther outside than the picture is wide and high.
         amodal_px: [f32; 4],
         /// Share of its pixels in the picture that others hide, 0 to 1.
         occlusion: f32,

@@ -31,11 +31,14 @@ table! {
         triangle_part: Vec<u8>,
         /// Semantic tag of each part.
         part_tag: Vec<u8>,
-        /// What each part is made of: `asphalt` (`asphalt_kerb_right`, `_left`, `_both` of a lane with kerbs beside it), `concrete`, `paving_slabs` (`_tiles`, `_setts`, `_cast`, `_asphalt`), `grass`, `road_marking`, `metal`, `glass`, `plain`, ...
+        /// What each part is made of: `asphalt` (`asphalt_kerb_right`, `_left`, `_both` of a lane with kerbs
+        /// beside it), `concrete`, `paving_slabs` (`_tiles`, `_setts`, `_cast`, `_asphalt`), `grass`,
+        /// `road_marking`, `metal`, `glass`, `plain`, ...
         part_surface: Vec<String>,
         /// Linear red, green, blue of each part, 0 to 1.
         part_rgb: Vec<f32>,
-        /// Of sidewalks, for the three corners of each triangle: how far along the sidewalk (but for whole multiples of 256) and how far from its kerb they are, m. Empty for other layers.
+        /// Of sidewalks, for the three corners of each triangle: how far along the sidewalk (but for whole
+        /// multiples of 256) and how far from its kerb they are, m. Empty for other layers.
         laid_m: Vec<f32>,
     }
 }
@@ -71,8 +74,8 @@ table! {
 }
 
 table! {
-    /// One row per tile that comes within reach of an agent at any frame of a scene, by column, then row. The object of row
-    /// `k` of the tile's `objects` has the id `first_id + k` in the scene.
+    /// One row per tile that comes within reach of an agent at any frame of a scene, by column, then row. The
+    /// object of row `k` of the tile's `objects` has the id `first_id + k` in the scene.
     SceneTileRow in "log/tiles" by "simulate-and-log" {
         /// Which set of tiles it is of: the folder below `tiles/`.
         set: String,

@@ -65,9 +65,9 @@ table! {
 }
 
 table! {
-    /// One row per object that may move and moment at which it was in some agent's list: where it came from and where it goes,
-    /// at the steps of `tracks.step_s`. Columns of places hold x, y, z for each step, the earliest first; where the object
-    /// was in no list they hold zeros and the mask 0.
+    /// One row per object that may move and moment at which it was in some agent's list: where it came from
+    /// and where it goes, at the steps of `tracks.step_s`. Columns of places hold x, y, z for each step, the
+    /// earliest first; where the object was in no list they hold zeros and the mask 0.
     WindowRow in "tracks_windows" by "merge-tracks" {
         /// Frame number of the present.
         frame: u32,

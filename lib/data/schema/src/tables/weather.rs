@@ -1,7 +1,7 @@
 //! Weather of one frame.
 
-/// Names the weather's parameters, here and nowhere else: hands each one's meaning, name and value on a clear noon to another
-/// macro. Percentages are 0 to 100; angles are degrees because people set them.
+/// Names the weather's parameters, here and nowhere else: hands each one's meaning, name and value on a clear
+/// noon to another macro. Percentages are 0 to 100; angles are degrees because people set them.
 macro_rules! weather_parameters {
     ($then:ident) => {
         $then! {

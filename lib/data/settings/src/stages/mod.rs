@@ -1,4 +1,5 @@
-//! What each stage sees of the configuration: nothing else can reach its output, and just this is hashed in its manifests.
+//! What each stage sees of the configuration: nothing else can reach its output, and just this is hashed in
+//! its manifests.
 
 mod masks;
 mod plan;

@@ -20,8 +20,8 @@ pub struct SimulationSettings {
     pub hazards: HazardSettings,
     /// How the land beside the roads is built up.
     pub scenery: SceneryRules,
-    /// The static world is there within this distance of every agent at every frame, metres: as it is asked for, and what boxes
-    /// and grids reach.
+    /// The static world is there within this distance of every agent at every frame, metres: as it is asked
+    /// for, and what boxes and grids reach.
     pub reach_m: f64,
     /// Boxes within this 3-D distance of an agent are collected, metres.
     pub box_radius_m: f64,

@@ -1,5 +1,6 @@
-//! SimBEV2X configurations in YAML, read as ours: every key becomes keys of our own with the same effect, or a warning
-//! that names it. The result is TOML text, line by line with the line it came from, and goes through the same checks.
+//! SimBEV2X configurations in YAML, read as ours: every key becomes keys of our own with the same effect, or
+//! a warning that names it. The result is TOML text, line by line with the line it came from, and goes
+//! through the same checks.
 
 mod names;
 mod special;

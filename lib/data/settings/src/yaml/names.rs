@@ -120,8 +120,8 @@ static NAMES: LazyLock<Names> = LazyLock::new(|| {
     names
 });
 
-/// Every key of a SimBEV2X configuration with what becomes of it, as text of a page. Those of sensors stand for
-/// vehicles; with `rsu_` they are about RSUs.
+/// Every key of a SimBEV2X configuration with what becomes of it, as text of a page. Those of sensors stand
+/// for vehicles; with `rsu_` they are about RSUs.
 #[must_use]
 pub fn simbev2x_keys() -> Vec<(String, String)> {
     let plain = NAMES.plain.iter().map(|(key, rule)| {

@@ -143,7 +143,8 @@ fn colors(to: &mut Writer<'_>, key: &str, at: usize, value: &MarkedYaml<'_>) {
     to.put(at, "agents.vehicle_colors", format!("[{}]", colors.join(", ")));
 }
 
-/// Lists of `[[x, y, z], [roll, pitch, yaw]]` by map, in the engine's left-handed frame: y and yaw change sign.
+/// Lists of `[[x, y, z], [roll, pitch, yaw]]` by map, in the engine's left-handed frame: y and yaw change
+/// sign.
 fn starts(to: &mut Writer<'_>, key: &str, at: usize, value: &MarkedYaml<'_>) {
     let mut starts = Vec::new();
     for (map, at, points) in pairs(value).unwrap_or_default() {

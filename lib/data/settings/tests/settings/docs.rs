@@ -1,4 +1,5 @@
-//! Generated pages and schemas must say what the code says. `CONVOY_ACCEPT=1 cargo test -p convoy-settings docs` rewrites them.
+//! Generated pages and schemas must say what the code says.
+//! `CONVOY_ACCEPT=1 cargo test -p convoy-settings docs` rewrites them.
 
 use std::fmt::Write;
 use std::fs;

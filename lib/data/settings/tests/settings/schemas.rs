@@ -1,4 +1,5 @@
-//! Editors and the reader must be of one mind: a small validator of JSON schemas holds the files of `configs/` against them.
+//! Editors and the reader must be of one mind: a small validator of JSON schemas holds the files of
+//! `configs/` against them.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -32,8 +32,8 @@ pub struct ObservedObject<'a> {
     pub actor: &'a ActorRow,
     /// Length, width and height of its box now, metres: of walkers that of their pose.
     pub size_m: [f64; 3],
-    /// Where it is: the origin is the centre of its footprint on the ground (of a traffic light: of the housing's
-    /// bottom face).
+    /// Where it is: the origin is the centre of its footprint on the ground (of a traffic light: of the
+    /// housing's bottom face).
     pub world_from_object: Pose<World, Object>,
     /// Velocity in the world, m/s.
     pub velocity_mps: [f32; 3],
@@ -45,11 +45,12 @@ pub struct ObservedObject<'a> {
     pub dormant: bool,
 }
 
-/// The boxes of a frame: for each agent (in [`AgentId`] order), the objects with a detection class whose origin is
-/// nearer than `radius_m` (strictly, in three dimensions), by object id. The agent itself is among them.
+/// The boxes of a frame: for each agent (in [`AgentId`] order), the objects with a detection class whose
+/// origin is nearer than `radius_m` (strictly, in three dimensions), by object id. The agent itself is among
+/// them.
 ///
-/// Two-wheelers and their riders are one object. Traffic lights with a housing of at most 0.6 m and fixed objects
-/// of at least 6.4 m height are left out.
+/// Two-wheelers and their riders are one object. Traffic lights with a housing of at most 0.6 m and fixed
+/// objects of at least 6.4 m height are left out.
 #[must_use]
 pub fn collect(
     frame: u32,
@@ -81,8 +82,8 @@ pub fn collect(
     rows
 }
 
-/// The 3-D angle between two directions, radians in (-pi, pi], negative where `to_object` lies to the right of
-/// `forward`; none for a zero vector.
+/// The 3-D angle between two directions, radians in (-pi, pi], negative where `to_object` lies to the right
+/// of `forward`; none for a zero vector.
 fn signed_angle(forward: Vector3<f64>, to_object: Vector3<f64>) -> Option<f64> {
     if to_object.norm_squared() == 0.0 {
         return None;
@@ -162,8 +163,8 @@ impl<'a> Annotated<'a> {
     }
 }
 
-/// The tags of an object's parts that its box is around, without repeats, riders first: the last tag with a class names the
-/// object's. A pole is no part of a sign's box.
+/// The tags of an object's parts that its box is around, without repeats, riders first: the last tag with a
+/// class names the object's. A pole is no part of a sign's box.
 fn named(tags: &[u8]) -> Vec<u8> {
     let mut out: Vec<u8> = Vec::with_capacity(tags.len());
     let boxed = |tag: u8| tag == Tag::Rider as u8 || DetectionClass::from_tags(&[tag]).is_some();

@@ -17,7 +17,8 @@ const SIDEWALK_M: f64 = 50.0;
 #[derive(Debug)]
 pub struct HdMap<'m> {
     map: &'m Map,
-    /// On each lane, places where lights or signs hold traffic (metres of s from its beginning, ascending), and those signals.
+    /// On each lane, places where lights or signs hold traffic (metres of s from its beginning, ascending),
+    /// and those signals.
     stops: BTreeMap<LaneId, Vec<(f64, Vec<usize>)>>,
     /// On each lane, the stretches under crosswalks, and which one.
     crossings: BTreeMap<LaneId, Vec<([f64; 2], usize)>>,
@@ -42,10 +43,11 @@ impl<'m> HdMap<'m> {
         Self { map, stops, crossings }
     }
 
-    /// The record of the driving lane nearest to an agent's origin (in three dimensions, so that decks are told
-    /// apart). None only on a map without driving lanes.
+    /// The record of the driving lane nearest to an agent's origin (in three dimensions, so that decks are
+    /// told apart). None only on a map without driving lanes.
     ///
-    /// Left and right are seen in the lane's direction of travel; neighbours are the adjacent lanes of any type.
+    /// Left and right are seen in the lane's direction of travel; neighbours are the adjacent lanes of any
+    /// type.
     #[must_use]
     pub fn record(
         &self,
@@ -209,8 +211,8 @@ mod tests {
         assert_eq!(record_at([50.0, -1.5, 0.5]).road_id, "7");
     }
 
-    /// A road of 100 m to the east with a sidewalk on its right and a crosswalk at 90 m, a junction of 20 m with a light for
-    /// its one lane, and a road of 50 m behind it.
+    /// A road of 100 m to the east with a sidewalk on its right and a crosswalk at 90 m, a junction of 20 m
+    /// with a light for its one lane, and a road of 50 m behind it.
     const CROSSING: &str = r#"<OpenDRIVE><header revMajor="1" revMinor="7"/>
         <road id="in" length="100" junction="-1">
           <link><successor elementType="junction" elementId="j"/></link>

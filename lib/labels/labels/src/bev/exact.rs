@@ -20,8 +20,8 @@ use crate::bev::{line, polygon};
 /// Parts of objects this far outside the grid, metres and cells, still count for the object's middle.
 const MARGIN: (f64, f64) = (10.0, 2.0);
 
-/// Where decks lie above one another, the ground is followed beyond the grid by at most so many cells: a bridge's road may be
-/// joined to the agent's there alone.
+/// Where decks lie above one another, the ground is followed beyond the grid by at most so many cells: a
+/// bridge's road may be joined to the agent's there alone.
 const BEYOND_CELLS: f64 = 300.0;
 
 /// What no triangle's tag tells, in the world.
@@ -108,23 +108,24 @@ impl BevRasterizer {
         BevMask::new(self.cells, bits)
     }
 
-    /// Whose each cell of the last mask is: the object, of those that the mask shows, that is highest over the cell's centre;
-    /// 0 where there is none. Little-endian u16 of shape `[cells, cells]`; empty unless the settings ask for ids.
+    /// Whose each cell of the last mask is: the object, of those that the mask shows, that is highest over
+    /// the cell's centre; 0 where there is none. Little-endian u16 of shape `[cells, cells]`; empty unless
+    /// the settings ask for ids.
     #[must_use]
     pub fn id_bytes(&self) -> Vec<u8> {
         self.highest.iter().flat_map(|(_, object)| object.to_le_bytes()).collect()
     }
 
-    /// Height of the ground that the last mask shows above the agent's origin, metres: the topmost surface of the layer at
-    /// each cell's centre, NaN where there is none. Little-endian f32 of shape `[cells, cells]`.
+    /// Height of the ground that the last mask shows above the agent's origin, metres: the topmost surface of
+    /// the layer at each cell's centre, NaN where there is none. Little-endian f32 of shape `[cells, cells]`.
     #[must_use]
     pub fn height_bytes(&self) -> Vec<u8> {
         let height_m = |cell: usize| self.ground.height(cell).unwrap_or(f32::NAN);
         (0..self.cells * self.cells).flat_map(|cell| height_m(cell).to_le_bytes()).collect()
     }
 
-    /// Paint on the ground that the last mask shows: bool bytes of shape `[3, cells, cells]`. Stop lines and the outlines of
-    /// parking spaces are lines without width, as lane markings are; arrows cover centres.
+    /// Paint on the ground that the last mask shows: bool bytes of shape `[3, cells, cells]`. Stop lines and
+    /// the outlines of parking spaces are lines without width, as lane markings are; arrows cover centres.
     #[must_use]
     pub fn paint_bytes(&self, world_from_agent: &Pose<World, Agent>, paint: PaintAreas<'_>) -> Vec<u8> {
         let grid = GridFrame::new(self.cells, self.cell_m, world_from_agent);

@@ -5,7 +5,8 @@ use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use nalgebra::Point3;
 use schema::geometry::Snapshot;
 
-/// Grid coordinates: x the column, y the row (both in cells, from the far left corner), z metres above the agent.
+/// Grid coordinates: x the column, y the row (both in cells, from the far left corner), z metres above the
+/// agent.
 #[derive(Debug)]
 pub(crate) struct GridFrame {
     half_cells: f64,
@@ -24,8 +25,8 @@ impl GridFrame {
         }
     }
 
-    /// Column and row of a point of the world, cut off towards zero: points up to a cell beyond the first row or column
-    /// count as in it.
+    /// Column and row of a point of the world, cut off towards zero: points up to a cell beyond the first row
+    /// or column count as in it.
     pub(crate) fn whole_cell(&self, point: Point3<f64>) -> [i64; 2] {
         let (column, row) = self.column_and_row(point);
         [column as i64, row as i64]

@@ -4,7 +4,8 @@ use schema::{BevClass, Tag};
 
 use crate::bev::raster::Triangle;
 
-/// Surfaces at most this far apart on a vertical line are one layer (road, marks, kerb, terrain beneath), metres.
+/// Surfaces at most this far apart on a vertical line are one layer (road, marks, kerb, terrain beneath),
+/// metres.
 pub(crate) const LAYER_M: f32 = 1.5;
 /// Following the ground, a step between neighbouring cells is at most this high, metres.
 const STEP_M: f32 = 0.6;
@@ -181,8 +182,9 @@ impl Ground {
     }
 
     /// Follows the ground from the agent, cell by cell, nearest cells first, and keeps the layer by which
-    /// each cell is reached: first along roads and sidewalks, then over all other ground, and wherever that meets a road
-    /// again, first along it. So neither a ramp nor a bridge is undercut by the terrain beside it.
+    /// each cell is reached: first along roads and sidewalks, then over all other ground, and wherever that
+    /// meets a road again, first along it. So neither a ramp nor a bridge is undercut by the terrain beside
+    /// it.
     fn follow(&mut self, layers: &[Layer]) {
         let layers = Layers { cells: &self.cells, several: layers };
         let mut walk = Walk {
@@ -234,7 +236,8 @@ struct Walk {
     /// The layer of each cell that was reached.
     settled: Vec<Cell>,
     reached: Vec<bool>,
-    /// The cells that were reached, in the order in which they were; and those of them on roads and sidewalks.
+    /// The cells that were reached, in the order in which they were; and those of them on roads and
+    /// sidewalks.
     order: Vec<usize>,
     paved: Vec<usize>,
 }

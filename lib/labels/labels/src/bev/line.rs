@@ -5,9 +5,9 @@ use glam::Vec3;
 /// Samples are at most this far apart, cells: somewhat less than one, so that rounding leaves no cell out.
 const STEP: f32 = 0.99;
 
-/// Calls with the cell of each sample of a chain of points, and the height there: the points themselves and, between two of
-/// them, as many at even distances as it takes to go on by less than a cell. So a line has no gap, and is one cell wide.
-/// Samples outside the grid are dropped.
+/// Calls with the cell of each sample of a chain of points, and the height there: the points themselves and,
+/// between two of them, as many at even distances as it takes to go on by less than a cell. So a line has no
+/// gap, and is one cell wide. Samples outside the grid are dropped.
 pub(crate) fn draw(points: impl Iterator<Item = Vec3>, cells: usize, mut cell: impl FnMut(usize, f32)) {
     let size = cells as f32;
     let mut sample = |at: Vec3| {

@@ -71,8 +71,8 @@ impl BevMask {
         blocks
     }
 
-    /// Counts the mask as one of an agent: [`measures::BEV_GRIDS`] of the rule and the true cells of every class that is
-    /// written, altogether and by place.
+    /// Counts the mask as one of an agent: [`measures::BEV_GRIDS`] of the rule and the true cells of every
+    /// class that is written, altogether and by place.
     pub fn add_to(&self, counts: &mut PartialCounts, agent: &str, settings: &BevSettings) {
         counts.add(agent, measures::BEV_GRIDS, settings.rule.name(), 0, 1);
         let blocks = self.blocks();
@@ -88,7 +88,8 @@ impl BevMask {
     }
 }
 
-/// A picture of a mask, three bytes (sRGB) a cell: white, then the channels painted in order, later ones on top.
+/// A picture of a mask, three bytes (sRGB) a cell: white, then the channels painted in order, later ones on
+/// top.
 #[must_use]
 pub fn to_rgb(mask: &BevMask) -> Vec<u8> {
     // The last channel that is set is the one on top.

@@ -18,7 +18,8 @@ const EDGE_SLOPE: f32 = 0.3;
 /// No class.
 const NONE: u32 = u32::MAX;
 
-/// All that an object has of one class: a rider and the bicycle are two, a car's body, wheels and doors are one.
+/// All that an object has of one class: a rider and the bicycle are two, a car's body, wheels and doors are
+/// one.
 #[derive(Clone, Copy, Debug)]
 struct Share {
     object: ObjectId,
@@ -82,8 +83,8 @@ impl Objects {
         })
     }
 
-    /// Draws all that stands on the shown layer: calls with the cell, the class, the object and the height there of the
-    /// surface that covers it.
+    /// Draws all that stands on the shown layer: calls with the cell, the class, the object and the height
+    /// there of the surface that covers it.
     pub(crate) fn draw(
         &mut self,
         ground: &Ground,
@@ -143,7 +144,8 @@ impl MeshShares<'_> {
     }
 }
 
-/// Where an object stands, in the grid: the bottom of its largest part (wheels and limbs are parts of their own).
+/// Where an object stands, in the grid: the bottom of its largest part (wheels and limbs are parts of their
+/// own).
 #[derive(Clone, Copy, Debug, Default)]
 struct Base {
     place: Vec3A,

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-/// Calls with each cell whose centre lies inside, and the polygon's height there: between two borders of a row
-/// the height runs straight from one to the other. Polygons of fewer than three corners cover nothing.
+/// Calls with each cell whose centre lies inside, and the polygon's height there: between two borders of a
+/// row the height runs straight from one to the other. Polygons of fewer than three corners cover nothing.
 pub(crate) fn fill(corners: &[Vec3], cells: usize, mut cell: impl FnMut(usize, f32)) {
     if corners.len() < 3 || !corners.iter().all(|c| c.is_finite()) {
         return;

@@ -4,7 +4,8 @@ use std::ops::RangeInclusive;
 
 use glam::Vec3A;
 
-/// Rounding must not open seams between triangles that share an edge: spans of centres are wider by this, cells.
+/// Rounding must not open seams between triangles that share an edge: spans of centres are wider by this,
+/// cells.
 const SEAM: f32 = 1e-4;
 
 /// A triangle in grid coordinates that has a point over the grid.

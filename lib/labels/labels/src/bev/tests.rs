@@ -211,7 +211,8 @@ fn a_bridge_shows_though_only_land_leads_to_it() {
     for y in [0.0, 12.0] {
         flat(&mut b, Tag::Road, [-40.0, 40.0], [y - 4.0, y + 4.0], 0.0);
     }
-    // The other road is joined to the agent's beyond the grid alone: where land leads to it, the way goes on over its bridge.
+    // The other road is joined to the agent's beyond the grid alone: where land leads to it, the way goes on
+    // over its bridge.
     for x in [-15.0, 0.0] {
         let mask = mask_of(&b, &at([x, 0.0, 0.0], [0.0; 3]), Areas::default());
         assert_eq!(mask.counts()[BevClass::Road as usize], 2 * 20 * 100, "{x}");
@@ -220,8 +221,8 @@ fn a_bridge_shows_though_only_land_leads_to_it() {
 
 #[test]
 fn a_bridge_shows_though_its_road_joins_the_agents_beyond_the_mask() {
-    // The agent's road and beside it a bridge, 6 m above land that goes on below it everywhere. The mask ends at 20 m; from
-    // 26 m on the bridge comes down and bends to the agent's road.
+    // The agent's road and beside it a bridge, 6 m above land that goes on below it everywhere. The mask ends
+    // at 20 m; from 26 m on the bridge comes down and bends to the agent's road.
     let mut b = WorldBuilder::default();
     flat(&mut b, Tag::Terrain, [-100.0, 100.0], [-100.0, 100.0], -0.2);
     flat(&mut b, Tag::Road, [-100.0, 100.0], [-4.0, 4.0], 0.0);
@@ -252,7 +253,8 @@ fn senseless_grids_are_refused() {
 fn an_open_door_belongs_to_its_car() {
     let mut b = WorldBuilder::default();
     flat(&mut b, Tag::Road, [-30.0, 30.0], [-30.0, 30.0], 0.0);
-    // From -2.3 to 2.3 along, -0.95 to 0.95 across; a leaf of 1 m that stands out square at x = 0.6, 0.2 m thick.
+    // From -2.3 to 2.3 along, -0.95 to 0.95 across; a leaf of 1 m that stands out square at x = 0.6, 0.2 m
+    // thick.
     b.add(box_mesh(Tag::Car, [4.6, 1.9, 1.5], 2), 7, [0.0; 3], [0.0; 3]);
     let closed = mask_of(&b, &at([0.0; 3], [0.0; 3]), Areas::default()).counts()[BevClass::Car as usize];
     b.add(box_mesh(Tag::Car, [0.2, 1.0, 1.0], 1), 7, [0.6, 1.45, 0.4], [0.0; 3]);
@@ -293,7 +295,8 @@ fn layers_beside_the_mask() {
     let paint =
         rasterizer.paint_bytes(&pose, PaintAreas { stop_lines: &stop, parking: &square, arrows: &arrow });
     let count = |channel: usize| paint[channel * 10_000..][..10_000].iter().filter(|&&b| b == 1).count();
-    // Columns 49 to 59; an outline of 13 by 8 cells: rows 62 to 74 or 75, columns 42 to 49; centres 5.0 to 6.6 by 1.0 to 1.8.
+    // Columns 49 to 59; an outline of 13 by 8 cells: rows 62 to 74 or 75, columns 42 to 49; centres 5.0 to
+    // 6.6 by 1.0 to 1.8.
     assert_eq!(count(0), 11);
     assert!((38..=42).contains(&count(1)), "{}", count(1));
     assert_eq!(count(2), 5 * 3);
@@ -314,8 +317,8 @@ fn masks_are_counted_altogether_and_by_place() {
         rows.map(|row| (row.bin, row.count)).collect()
     };
     assert_eq!((of(BEV_CELLS, "bus"), of(BEV_CELLS, "car")), (vec![(0, 27)], vec![(0, 0)]));
-    // Rows 11 to 13, columns 36 to 38, in blocks of two by two: one row in block 5 and two in block 6, two columns in block
-    // 18 and one in block 19; three masks.
+    // Rows 11 to 13, columns 36 to 38, in blocks of two by two: one row in block 5 and two in block 6, two
+    // columns in block 18 and one in block 19; three masks.
     let bus = [(50 * 5 + 18, 6), (50 * 5 + 19, 3), (50 * 6 + 18, 12), (50 * 6 + 19, 6)];
     assert_eq!(of(BEV_HEAT, "bus"), bus);
     // Twenty columns of road from 4 m left to 4 m right: ten blocks in each of fifty rows, all full.

@@ -54,10 +54,11 @@ impl<'m> LaneCollector<'m> {
 
     /// The lanes about a place.
     ///
-    /// Road are all driving lanes with a sample nearer than `radius_m`, and beside them, outward from lane to lane, lanes for
-    /// parking, bicycles and traffic of both directions, and borders, shoulders and lanes without use that are marked on a side;
-    /// any other lane ends that walk. Sidewalks are those that another walk meets, outward over all lanes up to the next
-    /// driving one; samples in junctions bring the sidewalk nearest to them and its neighbours, too.
+    /// Road are all driving lanes with a sample nearer than `radius_m`, and beside them, outward from lane to
+    /// lane, lanes for parking, bicycles and traffic of both directions, and borders, shoulders and lanes
+    /// without use that are marked on a side; any other lane ends that walk. Sidewalks are those that another
+    /// walk meets, outward over all lanes up to the next driving one; samples in junctions bring the sidewalk
+    /// nearest to them and its neighbours, too.
     pub fn about(&mut self, place: Point3<f64>, radius_m: f64) -> LaneAreas {
         let (mut roads, mut sidewalks) = (BTreeSet::new(), BTreeSet::new());
         let map = self.map;
@@ -196,7 +197,8 @@ mod tests {
         vec![RoadMark { mark_type, width_m: Some(0.2), ..RoadMark::default() }]
     }
 
-    /// 100 m to the east. To the right of the middle: driving, parking, border, shoulder, sidewalk, border; to the left driving alone.
+    /// 100 m to the east. To the right of the middle: driving, parking, border, shoulder, sidewalk, border;
+    /// to the left driving alone.
     fn street(border_mark: MarkType) -> Map {
         use LaneType::*;
         let mut section = both_ways(&[(Driving, 3.5)]);
@@ -227,8 +229,8 @@ mod tests {
             let map = street(border_mark);
             LaneCollector::new(&map, 0.4).about(Point3::new(50.0, 0.0, 0.0), 200.0)
         };
-        // Driving at -1.75 and 1.75, parking at -4.75, border at -6.25. The shoulder beyond has kerb and nothing for markings; the
-        // sidewalk ends the walk before the bicycle lane.
+        // Driving at -1.75 and 1.75, parking at -4.75, border at -6.25. The shoulder beyond has kerb and
+        // nothing for markings; the sidewalk ends the walk before the bicycle lane.
         assert_eq!(offsets(&about(MarkType::Solid).roads), [-625, -475, -175, 175]);
         assert_eq!(offsets(&about(MarkType::Curb).roads), [-475, -175, 175], "a kerb is no marking");
         assert_eq!(offsets(&about(MarkType::Solid).sidewalks), [-850]);

@@ -46,10 +46,11 @@ impl Reach {
     }
 }
 
-/// Middles of the lane markings of a map that lie within reach, dashes and gaps alike: chains of points in the world.
+/// Middles of the lane markings of a map that lie within reach, dashes and gaps alike: chains of points in
+/// the world.
 ///
-/// Lane markings are all painted lines beside a lane for vehicles, each line of a double one. In a junction those are left
-/// out over which another road's lanes run: their asphalt has no lines.
+/// Lane markings are all painted lines beside a lane for vehicles, each line of a double one. In a junction
+/// those are left out over which another road's lanes run: their asphalt has no lines.
 #[must_use]
 pub fn road_lines(map: &Map, reach: &Reach) -> Vec<Vec<Point3<f64>>> {
     let mut lines = Vec::new();
@@ -172,7 +173,8 @@ mod tests {
         reach
     }
 
-    /// 200 m to the east, a lane of 3.5 m each way, sidewalks of 2 m; marked in the middle and on both edges of the road.
+    /// 200 m to the east, a lane of 3.5 m each way, sidewalks of 2 m; marked in the middle and on both edges
+    /// of the road.
     fn street() -> Map {
         let mut section = both_ways(&[(LaneType::Driving, 3.5), (LaneType::Sidewalk, 2.0)]);
         let mark = |mark_type| vec![RoadMark { mark_type, width_m: Some(0.12), ..RoadMark::default() }];

@@ -1,7 +1,7 @@
-//! Free, occupied and unobserved cells of a voxel grid, from the rays of lidars: a ray frees every cell between its sensor and
-//! its return, the cell of the return is occupied. Rays without a return say nothing. Cells are walked by Amanatides and Woo,
-//! "A fast voxel traversal algorithm for ray tracing", Eurographics 1987; distances to faces are computed anew for each, so
-//! that no error adds up along a ray.
+//! Free, occupied and unobserved cells of a voxel grid, from the rays of lidars: a ray frees every cell
+//! between its sensor and its return, the cell of the return is occupied. Rays without a return say nothing.
+//! Cells are walked by Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics
+//! 1987; distances to faces are computed anew for each, so that no error adds up along a ray.
 
 use frames::{Agent, Pose, Sensor};
 use nalgebra::Point3;
@@ -29,8 +29,8 @@ pub struct Lattice {
     pub cell_m: f64,
 }
 
-/// Returns of a lidar at one frame. The coordinates are equally many, metres, in the sensor's frame; the rays start at its
-/// origin.
+/// Returns of a lidar at one frame. The coordinates are equally many, metres, in the sensor's frame; the rays
+/// start at its origin.
 #[derive(Clone, Copy, Debug)]
 pub struct Sweep<'a> {
     /// Where the lidar sits.
@@ -43,8 +43,8 @@ pub struct Sweep<'a> {
     pub z: &'a [f32],
 }
 
-/// What the rays of some lidars say of each cell, as values of [`RayState`]; z runs fastest, then y. A return makes its cell
-/// occupied whatever passed it. `cells` is working memory for the answer.
+/// What the rays of some lidars say of each cell, as values of [`RayState`]; z runs fastest, then y. A return
+/// makes its cell occupied whatever passed it. `cells` is working memory for the answer.
 ///
 /// ```
 /// use labels::carve::{Lattice, RayState, Sweep, carve};
@@ -85,7 +85,8 @@ fn for_each_ray(lattice: &Lattice, sweeps: &[Sweep<'_>], mut each: impl FnMut([f
 }
 
 impl Lattice {
-    /// Where in a list of cells that one is which holds a point, given in cells from the corner; none outside.
+    /// Where in a list of cells that one is which holds a point, given in cells from the corner; none
+    /// outside.
     fn holding(&self, at: [f64; 3]) -> Option<usize> {
         let is_inside = (0..3).all(|axis| at[axis] >= 0.0 && at[axis] < self.shape[axis] as f64);
         is_inside.then(|| index(self.shape, at.map(|x| x as usize)))
@@ -161,7 +162,8 @@ mod tests {
 
     use super::*;
 
-    /// Length of a segment within a cell and a margin around it, as a share of the segment, by clipping at six planes.
+    /// Length of a segment within a cell and a margin around it, as a share of the segment, by clipping at
+    /// six planes.
     fn share_within(cell: [usize; 3], margin: f64, from: [f64; 3], to: [f64; 3]) -> f64 {
         let (mut first, mut last) = (0.0_f64, 1.0_f64);
         for axis in 0..3 {

@@ -76,8 +76,8 @@ impl<const W: usize> Bits<W> {
 
     /// The free cells whose next occupied cell below is one of `wanted` (occupied cells).
     ///
-    /// A run of free cells right above a wanted cell is a run of ones that gets a one added at its lowest place: the
-    /// carry turns the whole run to zeros. All other runs stay ones.
+    /// A run of free cells right above a wanted cell is a run of ones that gets a one added at its lowest
+    /// place: the carry turns the whole run to zeros. All other runs stay ones.
     fn above(self, wanted: Self) -> Self {
         let free = self;
         let starts = wanted.up() & free;

@@ -37,7 +37,8 @@ impl<'a, const W: usize> Lines<'a, W> {
         lines
     }
 
-    /// Keeps the cells of some columns, in column order, that meet the class first to the left and to the right.
+    /// Keeps the cells of some columns, in column order, that meet the class first to the left and to the
+    /// right.
     pub(super) fn keep_along_y(&self, columns: &mut [Entry<W>]) {
         let ny = self.along_x.len();
         let (mut met, mut next) = (FirstHit::NOTHING_KNOWN, None);
@@ -66,8 +67,8 @@ impl<'a, const W: usize> Lines<'a, W> {
         }
     }
 
-    /// Keeps the cells of some columns, in column order and all of one band of `width` from `first` on along y, that meet the
-    /// class first ahead and behind.
+    /// Keeps the cells of some columns, in column order and all of one band of `width` from `first` on along
+    /// y, that meet the class first ahead and behind.
     pub(super) fn keep_along_x(&self, columns: &mut [Entry<W>], first: usize, width: usize) {
         let ny = self.along_x.len();
         let place = |i: u32, j: u32| i as usize * ny + j as usize;

@@ -2,8 +2,9 @@
 
 use crate::fill::bits::Bits;
 
-/// For each cell of a column: whether the first occupied cell on one side of it, along a line of columns, is of the class at
-/// hand. Carried from column to column; where nothing is known yet, found by a walk that ends when all that is asked is decided.
+/// For each cell of a column: whether the first occupied cell on one side of it, along a line of columns, is
+/// of the class at hand. Carried from column to column; where nothing is known yet, found by a walk that ends
+/// when all that is asked is decided.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FirstHit<const W: usize> {
     /// Cells of which it is known.
@@ -15,8 +16,9 @@ pub(super) struct FirstHit<const W: usize> {
 impl<const W: usize> FirstHit<W> {
     pub(super) const NOTHING_KNOWN: Self = Self { known: Bits::ZERO, met: Bits::ZERO };
 
-    /// Those of some cells whose first occupied cell is of the class. `line` gives the cells of the columns on that side, the
-    /// nearest first, up to where none is of the class any more: free ones, and those of the class.
+    /// Those of some cells whose first occupied cell is of the class. `line` gives the cells of the columns
+    /// on that side, the nearest first, up to where none is of the class any more: free ones, and those of
+    /// the class.
     #[inline]
     pub(super) fn ask(&mut self, cells: Bits<W>, line: impl Iterator<Item = [Bits<W>; 2]>) -> Bits<W> {
         let mut open = cells & !self.known;

@@ -2,19 +2,20 @@
 //!
 //! Surfaces leave closed objects hollow. Three rules fill them ([`FillingRule`]).
 //!
-//! `chunk`: for each class in [`ORDER`], a free cell becomes that class when
-//! the first occupied cell in all six axis directions is of the class, and the class occurs in the cell's chunk.
-//! Each pass reads the grid as the last one left it, so the order of the classes is part of the result.
+//! `chunk`: for each class in [`ORDER`], a free cell becomes that class when the first occupied cell in all
+//! six axis directions is of the class, and the class occurs in the cell's chunk. Each pass reads the grid as
+//! the last one left it, so the order of the classes is part of the result.
 //!
-//! `paper`: a free cell takes the label, whatever it is, that the first occupied cell in all six axis directions has. All cells
-//! read the grid as it was.
+//! `paper`: a free cell takes the label, whatever it is, that the first occupied cell in all six axis
+//! directions has. All cells read the grid as it was.
 //!
-//! `solid`: free cells that no way over faces leads out of, to the grid's border, take the label that most cell faces
-//! around them have (of equally many the smaller), if that is a class of [`ORDER`].
+//! `solid`: free cells that no way over faces leads out of, to the grid's border, take the label that most
+//! cell faces around them have (of equally many the smaller), if that is a class of [`ORDER`].
 //!
-//! For the first two a column of cells along z is a bit mask here. "The first occupied cell below (above) is of the class" is
-//! one addition whose carries run through free cells. In the four horizontal directions only candidates are followed: a walk away
-//! from each run of them, until all that is asked is decided, and a mask that is carried from column to column through the run.
+//! For the first two a column of cells along z is a bit mask here. "The first occupied cell below (above) is
+//! of the class" is one addition whose carries run through free cells. In the four horizontal directions only
+//! candidates are followed: a walk away from each run of them, until all that is asked is decided, and a mask
+//! that is carried from column to column through the run.
 
 mod bits;
 mod lines;

@@ -1,8 +1,8 @@
 //! The rule `solid`: whatever is closed is full.
 //!
-//! Free cells that no way over faces leads out of - to the grid's border - form rooms. A room takes the label that most of
-//! the cell faces around it have (of equally many the smaller label), if that is a label which is ever filled. A column's
-//! free cells are runs here, and rooms are runs joined from column to column.
+//! Free cells that no way over faces leads out of - to the grid's border - form rooms. A room takes the label
+//! that most of the cell faces around it have (of equally many the smaller label), if that is a label which
+//! is ever filled. A column's free cells are runs here, and rooms are runs joined from column to column.
 
 use std::collections::BTreeMap;
 

@@ -34,8 +34,8 @@ impl<const W: usize> Columns<W> {
         read(grid, classes, &mut self.free)
     }
 
-    /// One pass: fills the class, which some columns hold, and writes it into the grid. Later passes see what it has filled where
-    /// it `claims` it.
+    /// One pass: fills the class, which some columns hold, and writes it into the grid. Later passes see what
+    /// it has filled where it `claims` it.
     pub(super) fn fill_class(
         &mut self,
         parts: &[&[Entry<W>]],

@@ -197,8 +197,8 @@ fn each_rule_fills_what_it_says() {
     shell(&mut grid, Tag::Pedestrian, 3, 23);
     assert_eq!(counts(&grid, FillingRule::Paper), [8000, 0]);
     assert_eq!(counts(&grid, FillingRule::Solid), [8000, 0]);
-    // A dent: a free cell whose way up leads out. For the paper it stays, and so does what lies below it within the hole;
-    // open is open.
+    // A dent: a free cell whose way up leads out. For the paper it stays, and so does what lies below it
+    // within the hole; open is open.
     let top = grid.index(10, 10, 22);
     grid.data[top] = 0;
     assert_eq!(counts(&grid, FillingRule::Paper), [8000 - 19, 0], "the column below the hole");
@@ -264,7 +264,8 @@ fn a_filler_forgets_the_last_grid() {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
-    /// Boxes of several classes in each other's way, and noise, over layers that need one, two and four words.
+    /// Boxes of several classes in each other's way, and noise, over layers that need one, two and four
+    /// words.
     #[test]
     fn equals_marching_rays(
         boxes in proptest::collection::vec((0..20_usize, 0..14_usize, 0..14_usize, 0..60_usize, 3..20_usize, 3..16_usize), 1..7),

@@ -9,9 +9,9 @@ use schema::measures::tracks as measures;
 use schema::tables::TrackFrameRow;
 use schema::{Attribute, DetectionClass, rate};
 
-/// The merged boxes of a scene of `frames` frames (numbered from 0), every `every_n_frames`th of which is annotated: objects per
-/// class, valid ones, valid ones per annotated frame (every class and frame counts, those without any too), headings, speeds and turning rates of
-/// valid ones, pedestrians and wheelchairs.
+/// The merged boxes of a scene of `frames` frames (numbered from 0), every `every_n_frames`th of which is
+/// annotated: objects per class, valid ones, valid ones per annotated frame (every class and frame counts,
+/// those without any too), headings, speeds and turning rates of valid ones, pedestrians and wheelchairs.
 #[must_use]
 pub fn count(rows: &[TrackFrameRow], frames: u32, every_n_frames: u32) -> PartialCounts {
     let annotated = rate::count(frames, every_n_frames);

@@ -60,11 +60,12 @@ pub struct Merged {
     pub sightings: Vec<SightingRow>,
 }
 
-/// Merges the boxes of all agents of a scene. The two tables are paired row by row; their order does not matter.
+/// Merges the boxes of all agents of a scene. The two tables are paired row by row; their order does not
+/// matter.
 ///
-/// Per frame and object, the record of the first agent (vehicles by number, then RSUs) is taken; points of all
-/// agents add up, valid flags are OR-ed, and the difficulty follows from the points alone. There are boxes at every
-/// `every_n_frames`th frame: these are neighbours.
+/// Per frame and object, the record of the first agent (vehicles by number, then RSUs) is taken; points of
+/// all agents add up, valid flags are OR-ed, and the difficulty follows from the points alone. There are
+/// boxes at every `every_n_frames`th frame: these are neighbours.
 ///
 /// # Errors
 /// The tables are not of the same boxes, or an agent's name is none.

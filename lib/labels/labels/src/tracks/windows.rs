@@ -7,8 +7,9 @@ use schema::measures::tracks::MOVING_CLASSES;
 use schema::tables::{TrackFrameRow, WindowRow};
 use settings::TrackSettings;
 
-/// Windows of all objects of moving classes, by frame, then id, from the merged boxes of a scene (by frame, then id). The
-/// first windows are of frame 0; an object has one wherever it is in some agent's list at the moment.
+/// Windows of all objects of moving classes, by frame, then id, from the merged boxes of a scene (by frame,
+/// then id). The first windows are of frame 0; an object has one wherever it is in some agent's list at the
+/// moment.
 #[must_use]
 pub fn windows(rows: &[TrackFrameRow], settings: &TrackSettings) -> Vec<WindowRow> {
     let moving = |row: &&TrackFrameRow| MOVING_CLASSES.contains(&row.class.as_str());

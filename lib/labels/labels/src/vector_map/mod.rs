@@ -21,8 +21,8 @@ use schema::tables::{VectorKind, VectorMapRow};
 /// Chords stay within this of the true curves, metres.
 const TOLERANCE_M: f64 = 0.02;
 
-/// All elements of a map: lanes (in the order of [`Map::lanes`]), lane boundaries, signals, painted lines and kerbs,
-/// crosswalks, stop lines, sidewalks, junctions. An element's number is its row.
+/// All elements of a map: lanes (in the order of [`Map::lanes`]), lane boundaries, signals, painted lines and
+/// kerbs, crosswalks, stop lines, sidewalks, junctions. An element's number is its row.
 #[must_use]
 pub fn rows(map: &Map) -> Vec<VectorMapRow> {
     let table = Table::new(map);

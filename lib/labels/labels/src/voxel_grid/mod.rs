@@ -19,7 +19,8 @@ pub enum Filling {
 pub struct VoxelGrid {
     /// Cells along x (forward), y (left), z (up).
     pub shape: [usize; 3],
-    /// Label of each cell, 0 is free; z runs fastest, then y; index 0 is the most negative side of every axis.
+    /// Label of each cell, 0 is free; z runs fastest, then y; index 0 is the most negative side of every
+    /// axis.
     pub data: Vec<u8>,
 }
 
@@ -51,8 +52,8 @@ impl VoxelGrid {
         )
     }
 
-    /// Counts the grid as one of an agent: cells per label (free space too), for labels that occur. A hollow grid also
-    /// counts as one of [`measures::VOXEL_GRIDS`].
+    /// Counts the grid as one of an agent: cells per label (free space too), for labels that occur. A hollow
+    /// grid also counts as one of [`measures::VOXEL_GRIDS`].
     pub fn add_to(&self, counts: &mut PartialCounts, agent: &str, filling: Filling) {
         add_cells(self.count(), counts, agent, filling);
     }

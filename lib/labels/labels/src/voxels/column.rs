@@ -136,8 +136,8 @@ impl GridTriangle {
         cells(span.low, span.high, count)
     }
 
-    /// Labels the cells it touches in some slices; `slab` holds exactly these slices' cells, `heights` is room
-    /// for one span per column of a slice.
+    /// Labels the cells it touches in some slices; `slab` holds exactly these slices' cells, `heights` is
+    /// room for one span per column of a slice.
     pub(super) fn write(&self, slices: Range<usize>, nz: usize, slab: &mut [u8], heights: &mut [Span]) {
         let mut writer = Writer { slab, nz, rank: self.rank(), tag: self.tag };
         self.columns(slices, heights, |column, span| writer.write(column, span));
@@ -153,8 +153,8 @@ impl GridTriangle {
         self.tag
     }
 
-    /// Calls with each column that it has a point in, in some slices (counted from the first of them), and the heights that it
-    /// reaches from and to there; `heights` is room for one span per column of a slice.
+    /// Calls with each column that it has a point in, in some slices (counted from the first of them), and
+    /// the heights that it reaches from and to there; `heights` is room for one span per column of a slice.
     #[inline]
     pub(super) fn columns(
         &self,
@@ -174,8 +174,8 @@ impl GridTriangle {
                 column(row + columns.start, piece.span(2));
                 continue;
             }
-            // The part of a flat piece over one column has its lowest and highest points on the piece's border, so
-            // walking along the border finds them for all columns at once.
+            // The part of a flat piece over one column has its lowest and highest points on the piece's
+            // border, so walking along the border finds them for all columns at once.
             heights[columns.clone()].fill(Span::EMPTY);
             piece.walk_border(&columns, heights);
             for j in columns {

@@ -98,8 +98,8 @@ fn collect_triangles(
     collect(snapshot, facts, block, 0.0, out, |_, triangle| triangle);
 }
 
-/// Something of all triangles that come nearer to the grid than `margin` cells: of the instance's number and the triangle in
-/// grid coordinates.
+/// Something of all triangles that come nearer to the grid than `margin` cells: of the instance's number and
+/// the triangle in grid coordinates.
 pub(crate) fn collect<T: Send>(
     snapshot: &Snapshot,
     facts: &[MeshFacts],

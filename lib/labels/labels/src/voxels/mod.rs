@@ -1,14 +1,14 @@
 //! Semantic voxel grids: which cells the world's triangles touch.
 //!
-//! The grid turns fully with its agent and its cells are cubes aligned with the grid (not with the world). A cell
-//! holds the label of the surface of highest priority ([`Tag::voxel_priority`]) that has a point in it; among
-//! equals the smaller label wins, so the order of triangles doesn't matter. Cells are half open: a point on the
-//! face between two cells belongs to the upper one.
+//! The grid turns fully with its agent and its cells are cubes aligned with the grid (not with the world). A
+//! cell holds the label of the surface of highest priority ([`Tag::voxel_priority`]) that has a point in it;
+//! among equals the smaller label wins, so the order of triangles doesn't matter. Cells are half open: a
+//! point on the face between two cells belongs to the upper one.
 //!
-//! Exactness: a triangle meets a column of cells in one connected piece, so the cells it touches there are those
-//! from the piece's lowest to its highest point. Both lie on the border of the triangle's slice between two
-//! planes of constant x; walking that border finds exactly the cells that separating axes would, at a small part
-//! of the cost.
+//! Exactness: a triangle meets a column of cells in one connected piece, so the cells it touches there are
+//! those from the piece's lowest to its highest point. Both lie on the border of the triangle's slice between
+//! two planes of constant x; walking that border finds exactly the cells that separating axes would, at a
+//! small part of the cost.
 //!
 //! [`CpuVoxelRenderer::cell_rows`] lists the same cells with their objects and velocities, slab by slab, so that grids of any size
 //! fit; [`CpuVoxelRenderer::sweep`] gives the shells that sweeps along the axes meet first.

@@ -33,7 +33,8 @@ pub fn top_view(grid: &VoxelGrid) -> Picture {
     (ny, nx, pixels)
 }
 
-/// The grid seen obliquely from behind: depth is halved, heights stand upright. Returns width, height and RGB bytes.
+/// The grid seen obliquely from behind: depth is halved, heights stand upright. Returns width, height and RGB
+/// bytes.
 #[must_use]
 pub fn oblique_view(grid: &VoxelGrid) -> Picture {
     let [nx, ny, nz] = grid.shape;

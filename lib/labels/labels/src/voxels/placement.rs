@@ -61,7 +61,8 @@ impl GridPlacement {
         self.shape
     }
 
-    /// Writes the grid around an agent into `grid`, whose memory is used again. The object `without` is left out.
+    /// Writes the grid around an agent into `grid`, whose memory is used again. The object `without` is left
+    /// out.
     ///
     /// # Errors
     /// The renderer failed.

@@ -33,7 +33,8 @@ pub struct CellRows {
     pub places: Vec<u8>,
     /// `[n]`, u16: the object whose surface gives the cell its tag.
     pub ids: Vec<u8>,
-    /// `[n, 3]`, f32: velocity of that surface at the cell's centre over the ground, along the grid's axes, m/s.
+    /// `[n, 3]`, f32: velocity of that surface at the cell's centre over the ground, along the grid's axes,
+    /// m/s.
     pub flow: Vec<u8>,
     /// Cells per label; free ones are not counted.
     pub counts: [u64; Tag::COUNT],
@@ -46,9 +47,9 @@ struct Owned {
 }
 
 impl CpuVoxelRenderer {
-    /// The occupied cells of a block: the very ones that [`render::VoxelRenderer::voxelize`] labels. Of surfaces whose labels
-    /// rank alike the object of the smaller id has the cell. Holds as many slabs of the grid as there are threads, never the
-    /// grid.
+    /// The occupied cells of a block: the very ones that [`render::VoxelRenderer::voxelize`] labels. Of
+    /// surfaces whose labels rank alike the object of the smaller id has the cell. Holds as many slabs of the
+    /// grid as there are threads, never the grid.
     ///
     /// # Errors
     /// The snapshot lists meshes that were not prepared.

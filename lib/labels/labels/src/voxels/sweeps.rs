@@ -1,11 +1,12 @@
 //! Grids by sweeping along their axes: what is met first.
 //!
-//! A column of cells is swept by a face of one cell, from half a cell beyond one end to half a cell beyond the other. Every
-//! object on the way (what has one id and one tag) gives its label to the cell in which it is met first; what is met beyond an end
-//! counts for the end's cell. Labels have their usual priorities, so the order of the sweeps makes no difference.
+//! A column of cells is swept by a face of one cell, from half a cell beyond one end to half a cell beyond
+//! the other. Every object on the way (what has one id and one tag) gives its label to the cell in which it
+//! is met first; what is met beyond an end counts for the end's cell. Labels have their usual priorities, so
+//! the order of the sweeps makes no difference.
 //!
-//! Where the first thing met from the top is ground and nothing is met in a lower cell, the sweep of that column from below
-//! is left out.
+//! Where the first thing met from the top is ground and nothing is met in a lower cell, the sweep of that
+//! column from below is left out.
 
 use rayon::prelude::*;
 use render::{RenderError, VoxelBlock, VoxelRenderer};
@@ -60,7 +61,8 @@ impl Hits<'_> {
         self.contacts.iter().map(|c| (self.cell(c.low), c.tag))
     }
 
-    /// Whether the sweep from below finds nothing new: what is met first from the top is ground, and nothing lies lower.
+    /// Whether the sweep from below finds nothing new: what is met first from the top is ground, and nothing
+    /// lies lower.
     fn is_bare_ground(&self) -> bool {
         let Some(first) = self.contacts.iter().max_by(|a, b| a.high.total_cmp(&b.high)) else { return true };
         let ground = [Tag::Road, Tag::Sidewalk, Tag::Terrain, Tag::RoadLine, Tag::Ground];
@@ -68,8 +70,8 @@ impl Hits<'_> {
         is_ground && self.highest().all(|(cell, _)| cell >= self.cell(first.high))
     }
 
-    /// Runs of cells between what is met from below and what is next met from the top, where both have one label: first and
-    /// last cell and the label.
+    /// Runs of cells between what is met from below and what is next met from the top, where both have one
+    /// label: first and last cell and the label.
     fn scanlines(&self) -> Vec<(usize, usize, u8)> {
         let below = self.lowest().map(|(cell, tag)| (cell, false, tag));
         let mut hits: Vec<(usize, bool, u8)> =
@@ -194,7 +196,8 @@ fn sweep_z(contacts: &[Contact], settings: &SweepSettings, [nx, ny, nz]: [usize;
     }
 }
 
-/// The contacts of all columns along the last of some axes, by column, object and tag; `shape` is in the order of the axes.
+/// The contacts of all columns along the last of some axes, by column, object and tag; `shape` is in the
+/// order of the axes.
 fn contacts(triangles: &[Owned], axes: [usize; 3], shape: [usize; 3]) -> Vec<Contact> {
     let [slices, across, along] = shape;
     let turned: Vec<Owned> = triangles

@@ -29,7 +29,8 @@ fn at(xyz_m: [f64; 3], rpy_rad: [f64; 3]) -> Pose<World, Agent> {
     Pose::from_xyz_rpy(xyz_m, rpy_rad)
 }
 
-/// Whether a triangle meets the cube of half side `half` about `centre`: no axis of the thirteen separates them.
+/// Whether a triangle meets the cube of half side `half` about `centre`: no axis of the thirteen separates
+/// them.
 fn overlaps(corners: [DVec3; 3], centre: DVec3, half: f64) -> bool {
     let p = corners.map(|c| c - centre);
     let edges = [p[1] - p[0], p[2] - p[1], p[0] - p[2]];
@@ -155,7 +156,8 @@ proptest! {
 fn flat_ground_is_one_layer_and_a_box_is_its_shell() {
     let mut b = WorldBuilder::default();
     b.add(sheet(Tag::Road, [-5.0, 5.0], [-5.0, 5.0], 10.0, |_, _| 0.0), 1, [0.0; 3], [0.0; 3]);
-    // From 0.12 to 0.87 in all horizontal directions: 6 cells across; 0.2 to 0.9 above the ground: 4 cells high.
+    // From 0.12 to 0.87 in all horizontal directions: 6 cells across; 0.2 to 0.9 above the ground: 4 cells
+    // high.
     b.add(box_mesh(Tag::Car, [0.75, 0.75, 0.7], 3), 2, [0.495, 0.495, 0.2], [0.0; 3]);
     let settings = OccupancySettings { voxel_m: 0.125, ..small() };
     let grid = voxelize(&b.snapshot([0.0; 3]), &at([0.0; 3], [0.0; 3]), &settings, None).expect("settings");

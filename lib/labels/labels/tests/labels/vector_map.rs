@@ -233,7 +233,8 @@ fn junctions_contain_their_lanes_and_sidewalks_theirs() {
                     }
                     for side in [-0.5, 0.0, 0.5] {
                         let p = map.lane_point(lane.id, s, side * (width - 0.1)).expect("lane").position;
-                        // Sidewalks of a road have a polygon for each part; a lane that is cut by no width is in two.
+                        // Sidewalks of a road have a polygon for each part; a lane that is cut by no width is
+                        // in two.
                         let here = inside(&rings, p.x, p.y)
                             || row.kind == "sidewalk"
                                 && of(&rows, VectorKind::Sidewalk)

@@ -63,7 +63,8 @@ impl Lateral {
 
     /// Height over the superelevated plane, metres along its normal, of the surface that level lanes leave.
     pub(super) fn height(&self, s: f64, t: f64) -> f64 {
-        // Crossfall is an angle from the t axis, positive where the road falls to the outside (OpenDRIVE 1.3, 5.3.4.2).
+        // Crossfall is an angle from the t axis, positive where the road falls to the outside (OpenDRIVE 1.3,
+        // 5.3.4.2).
         let crossfall = &self.crossfall[usize::from(t < 0.0)];
         let fall = if crossfall.is_empty() { 0.0 } else { t.abs() * tan(value_and_slope(crossfall, s).0) };
         self.shape_height(s, t) - fall

@@ -6,8 +6,8 @@ use nalgebra::Point2;
 use super::{between, record_at};
 use crate::model::{Curve, Geometry};
 
-/// Nodes and weights of the 8-point Gauss-Legendre rule on [-1, 1] (symmetric half). Its error on a panel that
-/// turns by one radian is below 1e-15 of the panel's length.
+/// Nodes and weights of the 8-point Gauss-Legendre rule on [-1, 1] (symmetric half). Its error on a panel
+/// that turns by one radian is below 1e-15 of the panel's length.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -106,7 +106,8 @@ impl Plan {
         }
     }
 
-    /// For each seam between two pieces: its s, the distance between the two ends in metres, and the kink in radians.
+    /// For each seam between two pieces: its s, the distance between the two ends in metres, and the kink in
+    /// radians.
     pub(crate) fn seams(&self) -> impl Iterator<Item = (f64, f64, f64)> {
         self.pieces.windows(2).map(|pair| {
             let (a, b) = (pair[0].at(pair[0].length_m), pair[1].at(0.0));
@@ -218,8 +219,8 @@ impl Spiral {
 }
 
 impl Poly {
-    /// The curve for p in `[0, p_end]`, spread over `length` metres of s in proportion to arc length: s is the way
-    /// along the curve, and the end is reached also where the stated length is not the true one.
+    /// The curve for p in `[0, p_end]`, spread over `length` metres of s in proportion to arc length: s is
+    /// the way along the curve, and the end is reached also where the stated length is not the true one.
     fn new(u: [f64; 4], v: [f64; 4], p_end: f64, length: f64) -> Self {
         let mut poly =
             Self { u, v, arc: [0.0; ARC_TABLE + 1], p_step: p_end / ARC_TABLE as f64, arc_per_s: 1.0 };
@@ -233,7 +234,8 @@ impl Poly {
         poly
     }
 
-    /// The curve from p = 0 as far as `length` metres of arc, for curves whose arc grows at least as fast as p.
+    /// The curve from p = 0 as far as `length` metres of arc, for curves whose arc grows at least as fast as
+    /// p.
     fn until_arc(u: [f64; 4], v: [f64; 4], length: f64) -> Self {
         // The arc of a p interval is at least as long as the interval, so p lies between 0 and `length`.
         let whole = Self::new(u, v, length, length);

@@ -179,7 +179,8 @@ impl Surface {
         let s = s.clamp(0.0, self.length_m);
         let frame = self.frame(s);
         let axes = self.axes(&frame, s, t);
-        // Where the road turns its roll, lines beside the reference line turn off it a little: x follows the road.
+        // Where the road turns its roll, lines beside the reference line turn off it a little: x follows the
+        // road.
         let along = if self.lateral.is_flat() { frame.tangent } else { axes.along };
         let left = axes.across.normalize();
         let up = along.cross(&left).normalize();

@@ -3,8 +3,8 @@
 use super::value_and_slope;
 use crate::model::Lane;
 
-/// Width of a lane and its slope, `ds` metres after the section's start; `inside` is the distance and slope of its
-/// inner border from the centre lane. Never negative.
+/// Width of a lane and its slope, `ds` metres after the section's start; `inside` is the distance and slope
+/// of its inner border from the centre lane. Never negative.
 pub(crate) fn lane_width(lane: &Lane, ds: f64, inside: (f64, f64)) -> (f64, f64) {
     let (width, slope) = if let Some(first) = lane.widths.first() {
         if ds < first.s { (first.a, 0.0) } else { value_and_slope(&lane.widths, ds) }
@@ -20,8 +20,8 @@ pub(crate) fn lane_width(lane: &Lane, ds: f64, inside: (f64, f64)) -> (f64, f64)
     if width > 0.0 { (width, slope) } else { (0.0, 0.0) }
 }
 
-/// Distance of the outer border of the last of some lanes from the centre lane, and its slope, `ds` metres after the
-/// section's start. `lanes` run from the inside out.
+/// Distance of the outer border of the last of some lanes from the centre lane, and its slope, `ds` metres
+/// after the section's start. `lanes` run from the inside out.
 pub(crate) fn outer_border<'a>(lanes: impl IntoIterator<Item = &'a Lane>, ds: f64) -> (f64, f64) {
     lanes.into_iter().fold((0.0, 0.0), |inside, lane| {
         let width = lane_width(lane, ds, inside);

@@ -10,8 +10,8 @@ use crate::model::LaneType;
 /// Chords stay this near to the true borders, metres.
 const TOLERANCE_M: f64 = 0.01;
 
-/// A piece of ground: a polygon whose points have heights. Rings do not cross themselves or one another; their first
-/// point is not repeated at the end.
+/// A piece of ground: a polygon whose points have heights. Rings do not cross themselves or one another;
+/// their first point is not repeated at the end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Area {
     /// The outline, counter-clockwise seen from above.
@@ -70,7 +70,8 @@ pub struct Sidewalk {
 }
 
 impl LaneInfo {
-    /// Whether vehicles can drive on it, lawfully or not: all but walks, kerbs, medians and lanes without use.
+    /// Whether vehicles can drive on it, lawfully or not: all but walks, kerbs, medians and lanes without
+    /// use.
     #[must_use]
     pub fn is_paved(&self) -> bool {
         let unpaved = matches!(self.lane_type, LaneType::None | LaneType::Median | LaneType::Curb);
@@ -81,8 +82,9 @@ impl LaneInfo {
 impl Map {
     /// The ground that some lanes cover together, in plan; heights are those of the nearest lane border.
     ///
-    /// Vertices lie within 1 cm of the true borders. Cracks of up to 6 cm between lanes are closed, and holes smaller
-    /// than 10 cm by 10 cm are filled. Decks that lie over one another become one area. Computed anew by every call.
+    /// Vertices lie within 1 cm of the true borders. Cracks of up to 6 cm between lanes are closed, and holes
+    /// smaller than 10 cm by 10 cm are filled. Decks that lie over one another become one area. Computed anew
+    /// by every call.
     #[must_use]
     pub fn lanes_area(&self, lanes: &[LaneId]) -> Vec<Area> {
         let mut pieces = Vec::new();
@@ -108,9 +110,9 @@ impl Map {
         areas.collect()
     }
 
-    /// The paved ground of a junction: all lanes of its connecting roads but sidewalks, kerbs, medians and lanes
-    /// without use. What they enclose without covering it (islands) is a hole. Empty for a junction without connecting
-    /// roads. [`Map::lanes_area`] says how exact it is.
+    /// The paved ground of a junction: all lanes of its connecting roads but sidewalks, kerbs, medians and
+    /// lanes without use. What they enclose without covering it (islands) is a hole. Empty for a junction
+    /// without connecting roads. [`Map::lanes_area`] says how exact it is.
     #[must_use]
     pub fn junction_area(&self, junction: usize) -> Vec<Area> {
         let Some(info) = self.junctions.get(junction) else { return Vec::new() };
@@ -118,8 +120,8 @@ impl Map {
         self.lanes_area(&info.lanes.iter().copied().filter(paved).collect::<Vec<_>>())
     }
 
-    /// The sidewalks of a road, those of its sections joined where they go on from one section to the next; by their first lane.
-    /// Heights are those of the road's surface ([`Map::lane_height`] tells of kerbs).
+    /// The sidewalks of a road, those of its sections joined where they go on from one section to the next;
+    /// by their first lane. Heights are those of the road's surface ([`Map::lane_height`] tells of kerbs).
     #[must_use]
     pub fn sidewalks(&self, road: u32) -> Vec<Sidewalk> {
         let mut groups: Vec<Vec<LaneId>> = Vec::new();

@@ -22,14 +22,14 @@ pub struct CrosswalkSpan {
     pub crosswalk: usize,
     /// The lane.
     pub lane: LaneId,
-    /// Where its centre line enters and leaves the crossing, metres of s from the lane's beginning, in the direction of
-    /// travel.
+    /// Where its centre line enters and leaves the crossing, metres of s from the lane's beginning, in the
+    /// direction of travel.
     pub along_m: [f64; 2],
 }
 
 impl Map {
-    /// The lanes for vehicles whose centre line runs over each crosswalk, by crosswalk, then by lane. Computed anew by
-    /// every call.
+    /// The lanes for vehicles whose centre line runs over each crosswalk, by crosswalk, then by lane.
+    /// Computed anew by every call.
     #[must_use]
     pub fn crosswalk_spans(&self) -> Vec<CrosswalkSpan> {
         let spans = self.crosswalks.iter().enumerate().flat_map(|(i, crosswalk)| self.spans_of(i, crosswalk));

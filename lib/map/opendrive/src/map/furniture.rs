@@ -7,8 +7,8 @@ use super::{Crosswalk, Map, ObjectInfo, OutlineInfo};
 use crate::geometry::Surface;
 use crate::model::{Corner, Object, Outline, Repeat};
 
-/// Most copies, corners of copies and points of stretched objects that the rows of a map are written out to; what
-/// goes beyond is left out.
+/// Most copies, corners of copies and points of stretched objects that the rows of a map are written out to;
+/// what goes beyond is left out.
 const MAX_PARTS: usize = 2_000_000;
 /// Sampling step of a continuous row, metres.
 const ROW_STEP_M: f64 = 2.0;
@@ -61,11 +61,11 @@ impl Map {
     }
 }
 
-/// An object as a crosswalk, if it is one: by its type, or by its name where the type says nothing. A ring of at
-/// least three corners is asked for, as stop lines beside crosswalks carry the word in their name, too.
+/// An object as a crosswalk, if it is one: by its type, or by its name where the type says nothing. A ring of
+/// at least three corners is asked for, as stop lines beside crosswalks carry the word in their name, too.
 ///
-/// The corners are those of the level object: exporters disagree about the sign of a painted area's tilt, and the
-/// surface under it is known.
+/// The corners are those of the level object: exporters disagree about the sign of a painted area's tilt, and
+/// the surface under it is known.
 fn crosswalk(index: usize, info: &ObjectInfo, object: &Object) -> Option<Crosswalk> {
     let typed = info.kind.eq_ignore_ascii_case("crosswalk");
     if !typed && !info.name.to_ascii_lowercase().contains("crosswalk") {

@@ -151,8 +151,8 @@ impl Map {
     }
 
     /// The place `offset_m` to the left (seen in the direction of travel) of a lane's centre line at road
-    /// coordinate `s`, which is clamped to the lane. The offset runs along the road's cross-section; the heading is that
-    /// of the centre line.
+    /// coordinate `s`, which is clamped to the lane. The offset runs along the road's cross-section; the
+    /// heading is that of the centre line.
     #[must_use]
     pub fn lane_point(&self, id: LaneId, s: f64, offset_m: f64) -> Option<LanePoint> {
         let info = self.lane(id)?;
@@ -177,8 +177,9 @@ impl Map {
         })
     }
 
-    /// The road coordinate s and the offset from the lane's centre line (to the left in the direction of travel) of a place:
-    /// the inverse of [`Map::lane_point`], also for places above or under the surface (along its normal) and beside the lane.
+    /// The road coordinate s and the offset from the lane's centre line (to the left in the direction of
+    /// travel) of a place: the inverse of [`Map::lane_point`], also for places above or under the surface
+    /// (along its normal) and beside the lane.
     ///
     /// None where no cross-section of the lane's stretch of road goes through the place.
     #[must_use]
@@ -251,8 +252,8 @@ impl Map {
         Some(record.map_or([0.0; 2], |h| [h.inner_m, h.outer_m]))
     }
 
-    /// Speed limit at `s`, m/s: the lane's own, else the road's, else (on a connecting road) that of the lane before.
-    /// None where nothing is stated, or no limit.
+    /// Speed limit at `s`, m/s: the lane's own, else the road's, else (on a connecting road) that of the lane
+    /// before. None where nothing is stated, or no limit.
     #[must_use]
     pub fn speed_limit(&self, id: LaneId, s: f64) -> Option<f64> {
         let info = self.lane(id)?;
@@ -262,8 +263,8 @@ impl Map {
         stated.or(info.speed_limit_mps.filter(|_| info.junction.is_some()))
     }
 
-    /// Speed limit at a place, m/s: that of the nearest lane for motor traffic there ([`Map::speed_limit`]), the deck that the place
-    /// is on being told by its height. None where the nearest lane has none.
+    /// Speed limit at a place, m/s: that of the nearest lane for motor traffic there ([`Map::speed_limit`]),
+    /// the deck that the place is on being told by its height. None where the nearest lane has none.
     #[must_use]
     pub fn speed_limit_at(&self, point: Point3<f64>) -> Option<f64> {
         let hit = self.nearest_driving_lane(point)?;

@@ -161,8 +161,8 @@ fn touched(map: &Map, road_of: &BTreeMap<&str, u32>, link: &RoadLink, end: usize
     }
 }
 
-/// Where the incoming road touches a connecting road: as the connecting road's own link says, else at the end that is
-/// linked to the junction.
+/// Where the incoming road touches a connecting road: as the connecting road's own link says, else at the end
+/// that is linked to the junction.
 fn incoming_place(
     map: &Map,
     road_of: &BTreeMap<&str, u32>,
@@ -227,22 +227,22 @@ impl Map {
         (neighbour.road == id.road && neighbour.section == id.section).then_some(neighbour)
     }
 
-    /// Every place reached by travelling `distance_m` metres of s onwards, over all branches, in the order of the
-    /// links (the first element follows the first link everywhere). Branches that end sooner are missing.
+    /// Every place reached by travelling `distance_m` metres of s onwards, over all branches, in the order of
+    /// the links (the first element follows the first link everywhere). Branches that end sooner are missing.
     #[must_use]
     pub fn ahead(&self, pos: LanePos, distance_m: f64) -> Vec<LanePos> {
         self.step(pos, distance_m, Graph::successors, |along, length| (along, length))
     }
 
-    /// Every place from which travelling `distance_m` metres of s leads here, over all branches, in the order of the
-    /// links.
+    /// Every place from which travelling `distance_m` metres of s leads here, over all branches, in the order
+    /// of the links.
     #[must_use]
     pub fn behind(&self, pos: LanePos, distance_m: f64) -> Vec<LanePos> {
         self.step(pos, distance_m, Graph::predecessors, |along, length| (length - along, length))
     }
 
-    /// Walks `distance` from `pos`. `orient` turns along-travel coordinates into walked ones and back (it is its own
-    /// inverse).
+    /// Walks `distance` from `pos`. `orient` turns along-travel coordinates into walked ones and back (it is
+    /// its own inverse).
     fn step(
         &self,
         pos: LanePos,
@@ -256,7 +256,8 @@ impl Map {
             return found;
         }
         let length = self.lanes[start].s_length();
-        // Depth first with an explicit stack: distances still to go, measured from each lane's walked beginning.
+        // Depth first with an explicit stack: distances still to go, measured from each lane's walked
+        // beginning.
         let mut stack = vec![(start, orient(pos.along_m.clamp(0.0, length), length).0 + distance.max(0.0))];
         let mut visits = 0;
         while let Some((lane, walked)) = stack.pop() {

@@ -8,8 +8,8 @@ use crate::model::{Lane, LaneChange, MarkChange, MarkColour, MarkType, RoadMark}
 
 /// Width of a line that states none, metres: ordinary and bold.
 const LINE_WIDTH_M: [f64; 2] = [0.12, 0.25];
-/// Painted and unpainted metres of a dashed line that states none: 3 and 6 where traffic is slow, 3 and 9 from
-/// `FAST_MPS` on.
+/// Painted and unpainted metres of a dashed line that states none: 3 and 6 where traffic is slow, 3 and 9
+/// from `FAST_MPS` on.
 const DASH_M: ([f64; 2], [f64; 2]) = ([3.0, 6.0], [3.0, 9.0]);
 /// Limits above this make a fast road (70 km/h), m/s.
 const FAST_MPS: f64 = 70.0 / 3.6;
@@ -22,7 +22,8 @@ impl RoadMark {
         self.width_m.filter(|w| *w > 0.0).unwrap_or(LINE_WIDTH_M[usize::from(self.bold)])
     }
 
-    /// Lane changes across it; where the file is silent, dashed lines and unmarked borders allow, others forbid.
+    /// Lane changes across it; where the file is silent, dashed lines and unmarked borders allow, others
+    /// forbid.
     fn change(&self) -> MarkChange {
         self.lane_change.unwrap_or(match self.mark_type {
             MarkType::Broken | MarkType::BrokenBroken | MarkType::None => MarkChange::Both,
@@ -78,8 +79,8 @@ impl Map {
         cut.into_iter().filter_map(|s| Some((s, self.stripe_point(stripe, s, 0.0)?))).unzip()
     }
 
-    /// The painted areas of a stripe: one strip for a continuous line, one per dash for a dashed one. Dashes count
-    /// from the stripe's start.
+    /// The painted areas of a stripe: one strip for a continuous line, one per dash for a dashed one. Dashes
+    /// count from the stripe's start.
     #[must_use]
     pub fn stripe_strips(&self, stripe: &Stripe, tolerance_m: f64) -> Vec<StripeStrip> {
         let samples = self.section_samples(stripe.road, stripe.section, tolerance_m);
@@ -131,8 +132,8 @@ impl Map {
         self.marking(id, s, -1.0)
     }
 
-    /// Lane changes that the markings beside a lane allow. Whether there is a lane to change to, and which way it
-    /// runs, is another question.
+    /// Lane changes that the markings beside a lane allow. Whether there is a lane to change to, and which
+    /// way it runs, is another question.
     #[must_use]
     pub fn lane_change(&self, id: LaneId, s: f64) -> LaneChange {
         let (left, right) = (self.left_marking(id, s), self.right_marking(id, s));

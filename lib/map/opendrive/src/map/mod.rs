@@ -39,8 +39,8 @@ impl Map {
     /// Prepares a network: surfaces, lane list, graph, spatial index, markings, signals.
     ///
     /// Lane sections that the network leaves implicit become explicit first: one-sided ones
-    /// ([`LaneSection::single_side`](crate::LaneSection::single_side)) get their other side, and a road that goes on
-    /// through a virtual junction gets a section boundary where other roads join it.
+    /// ([`LaneSection::single_side`](crate::LaneSection::single_side)) get their other side, and a road that
+    /// goes on through a virtual junction gets a section boundary where other roads join it.
     #[must_use]
     pub fn new(mut network: Network) -> Self {
         sections::settle(&mut network);

@@ -60,8 +60,9 @@ pub(super) fn index(map: &mut Map) -> LaneIndex {
 const MAX_CANDIDATES: usize = 64;
 
 impl Map {
-    /// The lane, among those that pass the filter, whose centre line is nearest to a point, in three dimensions
-    /// (so that on an overpass the deck that the point is on answers). None only where no lane passes.
+    /// The lane, among those that pass the filter, whose centre line is nearest to a point, in three
+    /// dimensions (so that on an overpass the deck that the point is on answers). None only where no lane
+    /// passes.
     ///
     /// Of lanes at the same distance the first by [`LaneId`] answers.
     pub fn nearest_lane(&self, point: Point3<f64>, filter: impl Fn(&LaneInfo) -> bool) -> Option<LaneHit> {
@@ -80,7 +81,8 @@ impl Map {
         point: Point3<f64>,
         filter: impl Fn(&LaneInfo) -> bool,
     ) -> Option<LaneHit> {
-        // The true line is within a tolerance of its chord: chords farther than the best one by two may not win.
+        // The true line is within a tolerance of its chord: chords farther than the best one by two may not
+        // win.
         let mut candidates = [(0.0_f64, 0_usize); MAX_CANDIDATES];
         let mut count = 0;
         let mut limit = f64::INFINITY;
@@ -114,8 +116,8 @@ impl Map {
         hit
     }
 
-    /// Every lane that passes the filter and whose centre line comes within `radius_m` of a point, at its nearest
-    /// place, nearest lane first.
+    /// Every lane that passes the filter and whose centre line comes within `radius_m` of a point, at its
+    /// nearest place, nearest lane first.
     pub fn lanes_within(
         &self,
         point: Point3<f64>,
@@ -165,8 +167,8 @@ impl Map {
         })
     }
 
-    /// The nearest place of the true centre line within a segment's stretch of s: the root of the offset's projection
-    /// onto the tangent, by the secant method kept inside a shrinking bracket.
+    /// The nearest place of the true centre line within a segment's stretch of s: the root of the offset's
+    /// projection onto the tangent, by the secant method kept inside a shrinking bracket.
     fn refine(&self, point: Point3<f64>, segment: &Segment) -> Option<LaneHit> {
         let info = &self.lanes[segment.lane as usize];
         let [mut low, mut high] = segment.s;
@@ -181,8 +183,8 @@ impl Map {
             } else {
                 (high, high_seen) = (s, true);
             }
-            // The rate of the slope is minus the squared speed where the line is straight, and is measured from the
-            // second step on.
+            // The rate of the slope is minus the squared speed where the line is straight, and is measured
+            // from the second step on.
             let measured = last.map(|(s_last, slope_last)| (slope - slope_last) / (s - s_last));
             let rate = measured.filter(|r| *r < 0.0).unwrap_or(-place.1.norm_squared());
             let mut next = if rate < 0.0 { s - slope / rate } else { s };

@@ -118,8 +118,8 @@ impl Map {
         Some(self.surfaces.get(road as usize)?.length_m())
     }
 
-    /// The pose of a road's surface at (s, t), `h_m` metres above it: x along s, y left, z normal to the surface.
-    /// `s` is clamped to the road.
+    /// The pose of a road's surface at (s, t), `h_m` metres above it: x along s, y left, z normal to the
+    /// surface. `s` is clamped to the road.
     #[must_use]
     pub fn road_pose(&self, road: u32, s: f64, t_m: f64, h_m: f64) -> Option<Pose<World, ObjectFrame>> {
         let surface = self.surfaces.get(road as usize)?;

@@ -32,7 +32,8 @@ type Step = (usize, Option<usize>);
 
 impl Map {
     /// The way along a lane's centre line between two values of s (either order), metres: the integral of
-    /// [`LanePoint::metres_per_s`](super::LanePoint::metres_per_s), to a micrometre on roads as they are built.
+    /// [`LanePoint::metres_per_s`](super::LanePoint::metres_per_s), to a micrometre on roads as they are
+    /// built.
     #[must_use]
     pub fn lane_way_m(&self, id: LaneId, s_from: f64, s_to: f64) -> Option<f64> {
         let info = self.lane(id)?;
@@ -61,8 +62,8 @@ impl Map {
     /// The first thing ahead on the lane graph, at most `limit_m` metres of way from a place.
     ///
     /// `find` is asked lane by lane, with the place from which on it should look (metres of s from the lane's
-    /// beginning), and answers with the first thing it finds there and its place. Of all branches the shortest
-    /// way wins; equal ways are told apart by the order of lanes. Lane changes are no part of a way.
+    /// beginning), and answers with the first thing it finds there and its place. Of all branches the
+    /// shortest way wins; equal ways are told apart by the order of lanes. Lane changes are no part of a way.
     pub fn first_ahead<T>(
         &self,
         from: LanePos,
@@ -76,8 +77,8 @@ impl Map {
         }
         let mut steps: Vec<Step> = Vec::new();
         let mut best: Option<(Ahead<T>, usize)> = None;
-        // The way to a lane's beginning (as the bits of a number that is not negative, which sort like it), the lane,
-        // and the step it is entered from.
+        // The way to a lane's beginning (as the bits of a number that is not negative, which sort like it),
+        // the lane, and the step it is entered from.
         let mut open = BinaryHeap::from([Reverse((0_u64, start, None))]);
         let mut entered = BTreeSet::new();
         while let Some(Reverse((entry_bits, lane, parent))) = open.pop() {
@@ -127,15 +128,15 @@ impl Map {
         self.first_ahead(from, limit_m, here)
     }
 
-    /// How far ahead of a place another one lies along the lane graph, metres of way, up to `limit_m`. How far it lies
-    /// behind: the same with the two exchanged.
+    /// How far ahead of a place another one lies along the lane graph, metres of way, up to `limit_m`. How
+    /// far it lies behind: the same with the two exchanged.
     #[must_use]
     pub fn distance_ahead(&self, from: LanePos, to: LanePos, limit_m: f64) -> Option<f64> {
         Some(self.route(from, to, limit_m)?.way_m)
     }
 
-    /// The next junction ahead, with its index: where travel enters its first lane, or, for a junction without
-    /// connecting roads, the end of the lane before it. From inside a junction the one after it.
+    /// The next junction ahead, with its index: where travel enters its first lane, or, for a junction
+    /// without connecting roads, the end of the lane before it. From inside a junction the one after it.
     #[must_use]
     pub fn junction_ahead(&self, from: LanePos, limit_m: f64) -> Option<Ahead<usize>> {
         let own = self.lane(from.lane)?.junction;

@@ -19,12 +19,13 @@ const SLIVER_M: f64 = 1e-6;
 const JUMP_M: f64 = 1e-3;
 
 impl Map {
-    /// Values of s, ascending and both ends included, at which all lanes of a section should be sampled so that
-    /// straight lines between the samples stay within `tolerance_m` of every lane border.
+    /// Values of s, ascending and both ends included, at which all lanes of a section should be sampled so
+    /// that straight lines between the samples stay within `tolerance_m` of every lane border.
     ///
-    /// That holds for roads as they are built (between two records, borders bend smoothly); where a width dips below zero,
-    /// which counts as zero, the kink may be cut. Neighbouring lanes share these samples and so their vertices. Where the file lets borders jump
-    /// sideways, two samples a hair apart stand for the two sides.
+    /// That holds for roads as they are built (between two records, borders bend smoothly); where a width
+    /// dips below zero, which counts as zero, the kink may be cut. Neighbouring lanes share these samples and
+    /// so their vertices. Where the file lets borders jump sideways, two samples a hair apart stand for the
+    /// two sides.
     #[must_use]
     pub fn section_samples(&self, road: u32, section: u16, tolerance_m: f64) -> Vec<f64> {
         let Some(span) = self.section(road, section) else { return Vec::new() };
@@ -60,8 +61,8 @@ impl Map {
         samples
     }
 
-    /// Every s strictly inside a section at which a record of the road's surface or of a lane's border begins, and
-    /// the section's end; ascending. Between two of them everything is smooth.
+    /// Every s strictly inside a section at which a record of the road's surface or of a lane's border
+    /// begins, and the section's end; ascending. Between two of them everything is smooth.
     pub(super) fn breaks(&self, road: u32, section: u16) -> Vec<f64> {
         let Some(span) = self.section(road, section) else { return Vec::new() };
         let model = self.road(road);
@@ -77,8 +78,9 @@ impl Map {
         breaks
     }
 
-    /// The borders of a section's lanes, from the rightmost to the leftmost (one more than it has lanes), at given
-    /// values of s (of [`Map::section_samples`]); points run with s. The lanes' shared borders appear once.
+    /// The borders of a section's lanes, from the rightmost to the leftmost (one more than it has lanes), at
+    /// given values of s (of [`Map::section_samples`]); points run with s. The lanes' shared borders appear
+    /// once.
     #[must_use]
     pub fn section_borders(&self, road: u32, section: u16, samples: &[f64]) -> Vec<Vec<Point3<f64>>> {
         if self.section(road, section).is_none() {

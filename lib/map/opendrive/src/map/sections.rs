@@ -1,5 +1,5 @@
-//! Lane sections that the file leaves implicit: one-sided ones get their other side, and roads that go on through a
-//! virtual junction get a section boundary where others join.
+//! Lane sections that the file leaves implicit: one-sided ones get their other side, and roads that go on
+//! through a virtual junction get a section boundary where others join.
 
 use std::collections::BTreeMap;
 
@@ -88,8 +88,8 @@ fn split(road: &mut Road, s: f64) {
     road.sections.insert(after, section);
 }
 
-/// The parts of lanes that lie more than `by` metres after their section's start, as lanes of a section that begins
-/// there; the lanes keep the parts before, and lead to them.
+/// The parts of lanes that lie more than `by` metres after their section's start, as lanes of a section that
+/// begins there; the lanes keep the parts before, and lead to them.
 fn cut_lanes(lanes: &mut [Lane], by: f64) -> Vec<Lane> {
     lanes.iter_mut().map(|lane| cut_lane(lane, by)).collect()
 }
@@ -111,8 +111,8 @@ fn cut_lane(lane: &mut Lane, by: f64) -> Lane {
     }
 }
 
-/// Cuts a list of records in two at an offset: the later part begins with those that still hold there, and counts its
-/// offsets from there (those of its first records may be negative).
+/// Cuts a list of records in two at an offset: the later part begins with those that still hold there, and
+/// counts its offsets from there (those of its first records may be negative).
 fn cut<T: Clone>(records: &mut Vec<T>, by: f64, s_of: fn(&mut T) -> &mut f64) -> Vec<T> {
     let offsets: Vec<f64> = records.iter_mut().map(|r| *s_of(r)).collect();
     let after = offsets.partition_point(|s| *s <= by);

@@ -114,8 +114,9 @@ impl Map {
         lanes.map(|lane| lane.id).collect()
     }
 
-    /// The point of a road's surface that a signal stands over, and how far. A physical position that the file gives
-    /// apart counts; the heading does not change with it, as the traffic that the signal is for does not, either.
+    /// The point of a road's surface that a signal stands over, and how far. A physical position that the
+    /// file gives apart counts; the heading does not change with it, as the traffic that the signal is for
+    /// does not, either.
     fn stand(&self, surface: &Surface, signal: &Signal) -> (Point3<f64>, f64) {
         let at = surface.point(signal.s, signal.t);
         match &signal.position {
@@ -162,8 +163,8 @@ impl Map {
         groups
     }
 
-    /// Where traffic bound for the lanes of a signal must stop: the ends of the lanes before the junction, or the
-    /// signal's own place on a lane outside a junction. Sorted by lane.
+    /// Where traffic bound for the lanes of a signal must stop: the ends of the lanes before the junction, or
+    /// the signal's own place on a lane outside a junction. Sorted by lane.
     #[must_use]
     pub fn stop_points(&self, signal: usize) -> Vec<LanePos> {
         let Some(info) = self.signals.get(signal) else { return Vec::new() };

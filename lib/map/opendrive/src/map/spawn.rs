@@ -18,9 +18,9 @@ const MIN_SEPARATION_M: f64 = 1.0;
 impl Map {
     /// Places where a vehicle may start, ascending by lane, then along it.
     ///
-    /// Samples every driving lane from its beginning each `separation_m` metres of s (at least 1 m), and keeps the
-    /// places outside junctions that are wide enough ([`VEHICLE_LANE_WIDTH_M`]) and have road but no junction within
-    /// 4 m ahead, each at least 2 m from those kept before it.
+    /// Samples every driving lane from its beginning each `separation_m` metres of s (at least 1 m), and
+    /// keeps the places outside junctions that are wide enough ([`VEHICLE_LANE_WIDTH_M`]) and have road but
+    /// no junction within 4 m ahead, each at least 2 m from those kept before it.
     #[must_use]
     pub fn spawn_points(&self, separation_m: f64) -> Vec<LanePos> {
         let separation_m = if separation_m > MIN_SEPARATION_M { separation_m } else { MIN_SEPARATION_M };

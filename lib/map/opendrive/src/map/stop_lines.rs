@@ -55,7 +55,8 @@ pub struct StopLine {
 }
 
 impl SignalInfo {
-    /// Whether it is a stop sign: 206 of the German catalogue (which CARLA's maps use), R1-1 of the North American.
+    /// Whether it is a stop sign: 206 of the German catalogue (which CARLA's maps use), R1-1 of the North
+    /// American.
     #[must_use]
     pub fn is_stop_sign(&self) -> bool {
         self.kind == "206" || self.kind.eq_ignore_ascii_case("R1-1")
@@ -73,8 +74,9 @@ fn says_stop_line(name: &str) -> bool {
 }
 
 impl Map {
-    /// All stop lines: those that objects state, those that signals state, and those derived where a light or stop sign holds
-    /// traffic and the file has none within 15 m (half a metre before the stop point). In the order of their sources, derived ones by lane.
+    /// All stop lines: those that objects state, those that signals state, and those derived where a light or
+    /// stop sign holds traffic and the file has none within 15 m (half a metre before the stop point). In the
+    /// order of their sources, derived ones by lane.
     ///
     /// Computed anew by every call.
     #[must_use]
@@ -285,7 +287,8 @@ impl Map {
     }
 }
 
-/// An object as a segment and its width: the middle line of its outline, or of its length and width, along its longer side.
+/// An object as a segment and its width: the middle line of its outline, or of its length and width, along
+/// its longer side.
 fn segment_of(info: &ObjectInfo) -> Option<([Point3<f64>; 2], f64)> {
     let outline = info.outlines.iter().find(|o| o.base.len() >= 2);
     let corners: Vec<Point3<f64>> = match outline {

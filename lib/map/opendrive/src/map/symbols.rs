@@ -22,9 +22,11 @@ const LANE_SHARE: f64 = 0.66;
 const EDGE_M: f64 = 0.05;
 /// Width and length of a bicycle, metres.
 const BICYCLE_M: [f64; 2] = [1.1, 1.9];
-/// Lanes are looked for at most this far beside what is painted, metres: bicycles lie beside those for traffic.
+/// Lanes are looked for at most this far beside what is painted, metres: bicycles lie beside those for
+/// traffic.
 const ASIDE_M: f64 = 4.0;
-/// A turn to the left as it is painted in the length of 2.5 m: metres ahead of its middle, and to its left, counter-clockwise.
+/// A turn to the left as it is painted in the length of 2.5 m: metres ahead of its middle, and to its left,
+/// counter-clockwise.
 const TURN_M: [[f64; 2]; 9] = [
     [-1.25, -0.46],
     [0.36, -0.46],
@@ -71,9 +73,10 @@ enum Symbol {
 }
 
 impl Map {
-    /// Arrows, words and bicycles on lanes: objects of type `roadMark`, and objects and signals whose names begin with `Stencil`, as CARLA's
-    /// maps have them. Words are those of a short list, and numbers of one to three digits; they are readable for the traffic of
-    /// their lane. In the order of the objects, then of the signals. Computed anew by every call.
+    /// Arrows, words and bicycles on lanes: objects of type `roadMark`, and objects and signals whose names
+    /// begin with `Stencil`, as CARLA's maps have them. Words are those of a short list, and numbers of one
+    /// to three digits; they are readable for the traffic of their lane. In the order of the objects, then of
+    /// the signals. Computed anew by every call.
     #[must_use]
     pub fn road_symbols(&self) -> Vec<RoadSymbol> {
         let objects = self.objects().iter().filter_map(|object| self.symbol_of(object));
@@ -99,7 +102,8 @@ impl Map {
         Some(self.painted(symbol, object.road, place, object.size_m, object.pose.yaw()))
     }
 
-    /// A symbol about a place, as the traffic of the lane there reads it; where there is none, along a heading.
+    /// A symbol about a place, as the traffic of the lane there reads it; where there is none, along a
+    /// heading.
     fn painted(
         &self,
         symbol: Symbol,
@@ -108,7 +112,8 @@ impl Map {
         size_m: Vector3<f64>,
         yaw_rad: f64,
     ) -> RoadSymbol {
-        // In a junction several ways lead over it: it is for the one in whose middle it lies, and along which it looks.
+        // In a junction several ways lead over it: it is for the one in whose middle it lies, and along which
+        // it looks.
         let within = |lane: &LaneInfo| lane.lane_type == LaneType::Driving;
         let off = |hit: &LaneHit| {
             let turn_rad =

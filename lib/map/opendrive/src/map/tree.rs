@@ -1,7 +1,7 @@
 //! A tree of boxes over the centre lines of lanes, and over other chords.
 //!
-//! By hand rather than with rstar, which finds the same chords more slowly: near lanes 5.2 instead of 1.1 microseconds
-//! a place in Town03, 6.4 instead of 3.5 in Town11.
+//! By hand rather than with rstar, which finds the same chords more slowly: near lanes 5.2 instead of 1.1
+//! microseconds a place in Town03, 6.4 instead of 3.5 in Town11.
 
 use nalgebra::Point3;
 
@@ -31,8 +31,8 @@ impl Segment {
     }
 }
 
-/// A box of the tree: an inner node's first child follows it, its second is `other`; a leaf has `count` segments
-/// from `other` on.
+/// A box of the tree: an inner node's first child follows it, its second is `other`; a leaf has `count`
+/// segments from `other` on.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     min: [f64; 3],

@@ -5,8 +5,8 @@ use nalgebra::{Point3, Vector3};
 
 use crate::model::{LaneChange, LaneType, MarkColour, MarkType, Orientation};
 
-/// Names a lane: the index of its road in [`Network::roads`](crate::Network::roads), the index of its section,
-/// and its id there.
+/// Names a lane: the index of its road in [`Network::roads`](crate::Network::roads), the index of its
+/// section, and its id there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LaneId {
     /// Index of the road.
@@ -36,7 +36,8 @@ pub struct LaneInfo {
     pub both_ways: bool,
     /// Index of the junction its road belongs to.
     pub junction: Option<usize>,
-    /// Speed limit at the middle of the lane, m/s; a connecting road without one takes that of the lane before it.
+    /// Speed limit at the middle of the lane, m/s; a connecting road without one takes that of the lane
+    /// before it.
     pub speed_limit_mps: Option<f64>,
     /// Smallest and largest width over the samples of the lane, metres.
     pub width_range_m: [f64; 2],
@@ -123,7 +124,8 @@ pub struct LaneHit {
     pub lane: LaneId,
     /// Where along its road, metres.
     pub s: f64,
-    /// The query point's offset from the lane's centre, metres, positive to the left of the direction of travel.
+    /// The query point's offset from the lane's centre, metres, positive to the left of the direction of
+    /// travel.
     pub t_m: f64,
     /// Distance from the query point to the lane's centre line, metres, in three dimensions.
     pub distance_m: f64,
@@ -258,7 +260,8 @@ pub struct ObjectInfo {
     pub t: f64,
     /// Where it stands: middle of its base, its x along its own heading.
     pub pose: Pose<World, ObjectFrame>,
-    /// Length, width, height in metres, 0 where the file gives none (a radius counts as half of length and width).
+    /// Length, width, height in metres, 0 where the file gives none (a radius counts as half of length and
+    /// width).
     pub size_m: Vector3<f64>,
     /// Traffic it is for.
     pub orientation: Orientation,
@@ -267,8 +270,8 @@ pub struct ObjectInfo {
 }
 
 impl ObjectInfo {
-    /// Whether it is water. OpenDRIVE has no type for it: type or name contain `water`, `river`, `lake`, `pond` or
-    /// `canal`.
+    /// Whether it is water. OpenDRIVE has no type for it: type or name contain `water`, `river`, `lake`,
+    /// `pond` or `canal`.
     #[must_use]
     pub fn is_water(&self) -> bool {
         let (kind, name) = (self.kind.to_ascii_lowercase(), self.name.to_ascii_lowercase());
@@ -281,8 +284,8 @@ impl ObjectInfo {
         self.kind.eq_ignore_ascii_case("roadMark") && self.name.to_ascii_lowercase().contains("arrow")
     }
 
-    /// The areas that it covers on the ground, corners each once: its outlines (those of up to 2,000 corners: nothing that is painted
-    /// has more), or the rectangle of its length and width where it has no outline.
+    /// The areas that it covers on the ground, corners each once: its outlines (those of up to 2,000 corners:
+    /// nothing that is painted has more), or the rectangle of its length and width where it has no outline.
     #[must_use]
     pub fn areas(&self) -> Vec<Vec<Point3<f64>>> {
         let rings = self.outlines.iter().map(|outline| &outline.base);
@@ -312,8 +315,8 @@ pub struct SignalInfo {
     pub s: f64,
     /// Metres to the left of the reference line.
     pub t: f64,
-    /// Origin: at (s, t), raised by the file's vertical offset. Its x axis is the direction of the traffic it is
-    /// for; lamps and faces look the other way. Upright (roll and pitch of the file are left out).
+    /// Origin: at (s, t), raised by the file's vertical offset. Its x axis is the direction of the traffic it
+    /// is for; lamps and faces look the other way. Upright (roll and pitch of the file are left out).
     pub pose: Pose<World, ObjectFrame>,
     /// The point of the road's (extended) surface under it.
     pub on_surface: Point3<f64>,

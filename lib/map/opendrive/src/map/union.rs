@@ -17,7 +17,8 @@ const REACH_M: f64 = 50_000.0;
 const CLOSE: i32 = 300;
 /// Smaller islands and holes are left out, square grid units (10 cm by 10 cm).
 const MIN_AREA: u64 = 1_000_000;
-/// Sharper corners are cut while cracks are closed, far enough out to get them back whole: a twenty-fourth of a turn.
+/// Sharper corners are cut while cracks are closed, far enough out to get them back whole: a twenty-fourth of
+/// a turn.
 const SHARPEST: Angle = Angle::from_bits(u32::MAX / 24);
 
 /// Rings of a polygon: the outline counter-clockwise, then holes clockwise; the first point is not repeated.
@@ -27,8 +28,9 @@ type Ring = Vec<IntPoint<i32>>;
 
 /// The union of quadrangles, without cracks, crumbs and self-intersections.
 ///
-/// `pieces` have their corners in order, either way round; folded ones count as the two triangles they consist of.
-/// Vertices of the answer lie within a tenth of a millimetre of those of the pieces, or where their edges cross.
+/// `pieces` have their corners in order, either way round; folded ones count as the two triangles they
+/// consist of. Vertices of the answer lie within a tenth of a millimetre of those of the pieces, or where
+/// their edges cross.
 pub(super) fn union(pieces: &[[Point2<f64>; 4]], origin: Point2<f64>) -> Vec<Rings> {
     let mut rings: Vec<Ring> = Vec::with_capacity(pieces.len());
     for piece in pieces {

@@ -105,9 +105,9 @@ pub struct LaneAccess {
 }
 
 impl Lane {
-    /// Whether a kind of road user (spelled as in [`LaneAccess::restrictions`], letter case aside) may use the lane
-    /// `s_offset` metres after the section's start: nobody forbids it and, where some are allowed by name, it is
-    /// among them.
+    /// Whether a kind of road user (spelled as in [`LaneAccess::restrictions`], letter case aside) may use
+    /// the lane `s_offset` metres after the section's start: nobody forbids it and, where some are allowed by
+    /// name, it is among them.
     #[must_use]
     pub fn admits(&self, user: &str, s_offset: f64) -> bool {
         let Some(last) = self.accesses.iter().rev().find(|a| a.s_offset <= s_offset) else { return true };

@@ -21,8 +21,8 @@ pub struct Network {
     pub stations: Vec<Station>,
     /// Other elements beside the roads, kept as they are.
     pub kept: Vec<Element>,
-    /// What the reader does not understand: how often each element occurs, by its path below the root, such as
-    /// `road/lanes/laneSection/left/lane/foo` (empty for a network built in memory).
+    /// What the reader does not understand: how often each element occurs, by its path below the root, such
+    /// as `road/lanes/laneSection/left/lane/foo` (empty for a network built in memory).
     pub unknown_elements: BTreeMap<String, UnknownElement>,
     /// What the reader found wrong and put up with (empty for a network built in memory).
     pub warnings: Vec<Warning>,

@@ -42,8 +42,8 @@ impl Cubic {
     }
 }
 
-/// Inclination of the surface to the outside, as an angle from the t axis: positive where the surface falls from
-/// the reference line outwards.
+/// Inclination of the surface to the outside, as an angle from the t axis: positive where the surface falls
+/// from the reference line outwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Crossfall {
     /// Where it applies.

@@ -4,7 +4,8 @@ use super::ReadError;
 
 /// Longest text that is read, bytes; also of what a compressed file unpacks to.
 pub(super) const MAX_TEXT_BYTES: u64 = 1 << 30;
-/// Compressed files that unpack to more than this many times their size are taken for bombs (real ones: 10 to 30)...
+/// Compressed files that unpack to more than this many times their size are taken for bombs (real ones: 10 to
+/// 30)...
 const MAX_RATIO: u64 = 200;
 /// ... if they are larger than this.
 const SMALL_BYTES: u64 = 1 << 24;
@@ -20,8 +21,8 @@ pub(super) fn unpacked_limit(compressed: usize) -> u64 {
     (compressed as u64 * MAX_RATIO).clamp(SMALL_BYTES, MAX_TEXT_BYTES)
 }
 
-/// Refuses texts that would cost more than they are worth. Only counts tags: whether they fit each other is for the
-/// parser to say.
+/// Refuses texts that would cost more than they are worth. Only counts tags: whether they fit each other is
+/// for the parser to say.
 pub(super) fn check(xml: &str) -> Result<(), ReadError> {
     if xml.len() as u64 > MAX_TEXT_BYTES {
         return Err(ReadError::Bytes { message: format!("more than {MAX_TEXT_BYTES} bytes") });

@@ -25,13 +25,14 @@ pub use error::ReadError;
 impl Network {
     /// Reads an OpenDRIVE file (revisions 1.1 to 1.8; any XML namespace).
     ///
-    /// Faults that leave the rest usable become [`Network::warnings`]. Elements that are not understood are counted
-    /// in [`Network::unknown_elements`] and, where the model has a place for them, kept; `userData` is passed over.
+    /// Faults that leave the rest usable become [`Network::warnings`]. Elements that are not understood are
+    /// counted in [`Network::unknown_elements`] and, where the model has a place for them, kept; `userData`
+    /// is passed over.
     ///
     /// # Errors
-    /// Where the text is not XML, its root is not `OpenDRIVE`, an element lacks a number without which it has no
-    /// place or meaning, or there is more of something than any real file has (1 GiB of text, 16 million elements,
-    /// nesting 100 deep).
+    /// Where the text is not XML, its root is not `OpenDRIVE`, an element lacks a number without which it has
+    /// no place or meaning, or there is more of something than any real file has (1 GiB of text, 16 million
+    /// elements, nesting 100 deep).
     pub fn parse(xml: &str) -> Result<Self, ReadError> {
         limits::check(xml)?;
         let document = Document::parse(xml).map_err(|e| xml_error(&e, xml))?;

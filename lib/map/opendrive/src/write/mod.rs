@@ -16,9 +16,9 @@ use xml::{Attributes, Xml, unless_default, unless_empty};
 
 /// The network as the text of an OpenDRIVE file.
 ///
-/// Reading it back gives the same network, to the bit: for every network that was read from a file, but for its
-/// warnings and counts of unknown elements. One built in memory may hold what no file can say: a revision of 0.0 becomes
-/// 1.7, control characters in texts are dropped, records come back in order of s, and so on.
+/// Reading it back gives the same network, to the bit: for every network that was read from a file, but for
+/// its warnings and counts of unknown elements. One built in memory may hold what no file can say: a revision
+/// of 0.0 becomes 1.7, control characters in texts are dropped, records come back in order of s, and so on.
 #[must_use]
 pub fn write(network: &Network) -> String {
     let mut xml = Xml::new();

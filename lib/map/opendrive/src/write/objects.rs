@@ -80,7 +80,8 @@ fn object(xml: &mut Xml, object: &Object) {
     xml.close();
 }
 
-/// Id of an outline's first corner: corners are numbered through all outlines, so that references are unambiguous.
+/// Id of an outline's first corner: corners are numbered through all outlines, so that references are
+/// unambiguous.
 fn first_corner_id(outlines: &[Outline], outline: usize) -> usize {
     outlines.iter().take(outline).map(|o| o.corners.len()).sum()
 }

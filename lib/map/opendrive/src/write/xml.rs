@@ -1,7 +1,7 @@
 //! A small XML writer.
 //!
-//! By hand rather than with quick-xml, which gains no time here, wants numbers as text, and checks neither names nor
-//! characters: what XML cannot hold is left out below.
+//! By hand rather than with quick-xml, which gains no time here, wants numbers as text, and checks neither
+//! names nor characters: what XML cannot hold is left out below.
 
 use std::fmt::{Display, Write};
 
@@ -72,7 +72,8 @@ impl Xml {
             self.text.push(' ');
             self.text.push_str(key);
             self.text.push_str("=\"");
-            // Numbers print in the shortest form that reads back as the same number. Writing to a string cannot fail.
+            // Numbers print in the shortest form that reads back as the same number. Writing to a string
+            // cannot fail.
             let _ = write!(Escaped(&mut self.text), "{value}");
             self.text.push('"');
         }

@@ -1,4 +1,5 @@
-//! `docs/opendrive-coverage.md` and the reader name the same elements, and each element is read for something.
+//! `docs/opendrive-coverage.md` and the reader name the same elements, and each element is read for
+//! something.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -70,8 +71,8 @@ fn names_on_the_page() -> BTreeMap<String, BTreeSet<String>> {
     names
 }
 
-/// The file that has one of everything (it is read without a warning about unknown elements: tests/elements.rs), and what
-/// no network can have besides.
+/// The file that has one of everything (it is read without a warning about unknown elements:
+/// tests/elements.rs), and what no network can have besides.
 fn files() -> Vec<String> {
     let groups = r#"<signalGroup id="1"><name/></signalGroup><vmsGroup id="2"/></OpenDRIVE>"#;
     let whole = FILE.replace("</OpenDRIVE>", groups).replacen("<staticBoard", "<vmsBoard/><staticBoard", 1);

@@ -1,5 +1,5 @@
-//! Accuracy: every answer about places and widths against direct evaluation of the file's polynomials, written
-//! down here a second time, the slow and plain way.
+//! Accuracy: every answer about places and widths against direct evaluation of the file's polynomials,
+//! written down here a second time, the slow and plain way.
 
 use crate::common;
 

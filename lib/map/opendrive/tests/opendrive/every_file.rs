@@ -6,8 +6,8 @@ use std::path::Path;
 use opendrive::*;
 use testkit::map_files;
 
-/// What was counted in a file: roads, junctions, kilometres of driving lanes in hundredths, signals, signal references,
-/// controllers; and its lanes by type.
+/// What was counted in a file: roads, junctions, kilometres of driving lanes in hundredths, signals, signal
+/// references, controllers; and its lanes by type.
 type Facts = (&'static str, [usize; 6], &'static str);
 
 /// Files that must fail, and a word that the message must hold.

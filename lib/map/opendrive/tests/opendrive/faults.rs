@@ -14,8 +14,8 @@ const ROAD: &str = r#"<OpenDRIVE><header revMajor="1" revMinor="4"/>
 <right><lane id="-1" type="driving"><width sOffset="0" a="3"/></lane></right></laneSection></lanes>
 </road></OpenDRIVE>"#;
 
-/// Two streets and a junction between them, with a light and its controller; each element that a test spoils on a line
-/// of its own.
+/// Two streets and a junction between them, with a light and its controller; each element that a test spoils
+/// on a line of its own.
 const STREETS: &str = r#"<OpenDRIVE><header revMajor="1" revMinor="7"/>
 <road id="a" length="20" junction="-1">
 <link><successor elementType="junction" elementId="j"/></link>

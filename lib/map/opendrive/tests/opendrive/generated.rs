@@ -84,7 +84,8 @@ fn piece(recipe: &Recipe, start: PlanPose, s: f64) -> Geometry {
         2 => (Curve::Spiral { curvature_start: 0.03 * a, curvature_end: 0.03 * b }, length_m),
         3 => (Curve::Poly3 { v: [0.0, 0.0, 4e-3 * a, 5e-5 * b] }, length_m),
         _ => {
-            // Over p in [0, 1], or with p stretched to the way along the curve; either way the stated length is true.
+            // Over p in [0, 1], or with p stretched to the way along the curve; either way the stated length
+            // is true.
             let l = length_m;
             let (u, v) = ([0.0, l, 0.1 * l * a, 0.05 * l * b], [0.0, 0.0, 0.15 * l * c, 0.1 * l * d]);
             let way = arc_length(&u, &v, 1.0);
@@ -269,8 +270,8 @@ proptest! {
         prop_assert_eq!(links, 6 * (sections - 1));
     }
 
-    /// From (road, s, t) to the world and back: where lanes keep their width, the nearest point of a centre line is
-    /// that of the same cross-section.
+    /// From (road, s, t) to the world and back: where lanes keep their width, the nearest point of a centre
+    /// line is that of the same cross-section.
     #[test]
     fn places_can_be_found_again(
         roads in recipes(),

@@ -253,7 +253,8 @@ fn stated_stop_lines_take_the_light_of_their_lane() {
         assert_eq!(line.lanes.len(), 1);
         assert_eq!(line.lanes[0].lane, id(A, 1, -1));
         close(line.lanes[0].along_m, 17.0, 1e-6);
-        // Left of the driver first: t runs from -1.25 + 1.7 to -1.25 - 1.7, the lane offset has no part in it.
+        // Left of the driver first: t runs from -1.25 + 1.7 to -1.25 - 1.7, the lane offset has no part in
+        // it.
         assert!((line.ends[0] - Point3::new(47.0, 0.45, 2.0)).norm() < 1e-5, "{}", line.ends[0]);
         assert!((line.ends[1] - Point3::new(47.0, -2.95, 2.0)).norm() < 1e-5);
     }

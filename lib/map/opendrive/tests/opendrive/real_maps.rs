@@ -6,7 +6,8 @@ use nalgebra::Point3;
 use opendrive::*;
 use testkit::real_map;
 
-/// Roads, in junctions, junctions, connections, driving metres / 10, signals, dynamic, references, controllers, crosswalks.
+/// Roads, in junctions, junctions, connections, driving metres / 10, signals, dynamic, references,
+/// controllers, crosswalks.
 type Counts = [usize; 10];
 
 fn counts(map: &Map) -> Counts {
@@ -82,7 +83,8 @@ fn crosswalks_lie_on_lanes() {
         let Some(map) = real_map(name) else { return };
         for crosswalk in map.crosswalks() {
             assert!(crosswalk.polygon.len() == 4 || crosswalk.polygon.len() == 6, "{name} {}", crosswalk.id);
-            // Its middle is on a lane, at the lane's height; placed with the lane offset it would miss by metres.
+            // Its middle is on a lane, at the lane's height; placed with the lane offset it would miss by
+            // metres.
             let sum = crosswalk.polygon.iter().fold(nalgebra::Vector3::zeros(), |sum, p| sum + p.coords);
             let centre = Point3::from(sum / crosswalk.polygon.len() as f64);
             let under = map.lanes_within(centre, 10.0, |l| l.lane_type != LaneType::Sidewalk);
@@ -199,7 +201,8 @@ fn places_on_lanes_are_found_back() {
             let width = map.lane_width(lane.id, s).expect("lane");
             let offset = (part - 0.5) * 0.9 * width;
             let place = map.lane_point(lane.id, s, offset).expect("lane").position;
-            // Where a tight curve folds its inner side over, a place has two coordinates; both must give it back.
+            // Where a tight curve folds its inner side over, a place has two coordinates; both must give it
+            // back.
             let (s_found, offset_found) = map.lane_coordinates(lane.id, place).expect("its own place");
             let again = map.lane_point(lane.id, s_found, offset_found).expect("lane").position;
             assert!((again - place).norm() < 1e-6, "{name} {:?} {s} {offset}", lane.id);

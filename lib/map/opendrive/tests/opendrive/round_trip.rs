@@ -16,7 +16,8 @@ proptest! {
         let again = Network::parse(&text).expect("our own file");
         let again = Network { warnings: Vec::new(), unknown_elements: BTreeMap::new(), ..again };
         if again != network || format!("{again:?}") != format!("{network:?}") {
-            // Equality takes 0 and -0 for one, print does not. The whole of both would be too much to look at.
+            // Equality takes 0 and -0 for one, print does not. The whole of both would be too much to look
+            // at.
             let (got, want) = (format!("{again:#?}"), format!("{network:#?}"));
             let differing: Vec<_> = got.lines().zip(want.lines()).filter(|(a, b)| a != b).take(5).collect();
             prop_assert!(false, "{differing:?}");

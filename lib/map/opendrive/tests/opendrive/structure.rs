@@ -91,7 +91,8 @@ fn rows_follow_the_road_or_run_straight_and_change_their_size() {
     let chain = &fence[0].outlines[0];
     assert_eq!((fence[0].size_m.x, fence[0].size_m.y, fence[0].size_m.z), (20.0, 0.2, 1.2));
     let last = chain.base.len() - 1;
-    // t runs from 6 to 7; the surface is that of the road: slope 0.01, crossfall, shape, then the stated offset.
+    // t runs from 6 to 7; the surface is that of the road: slope 0.01, crossfall, shape, then the stated
+    // offset.
     let at = |s: f64, t: f64, up: f64| map.road_point(0, s, t, up).expect("there");
     assert!((chain.base[0] - at(10.0, 6.0, 0.0)).norm() < 1e-12);
     assert!((chain.base[last] - at(30.0, 7.0, 0.5)).norm() < 1e-12);

@@ -55,7 +55,8 @@ impl Blocks {
         self.links.get(&cell).map_or(0, BTreeSet::len)
     }
 
-    /// Takes streets away, each with the given probability: those that `may` go and whose ends keep three streets.
+    /// Takes streets away, each with the given probability: those that `may` go and whose ends keep three
+    /// streets.
     pub(super) fn leave_out(&mut self, probability: f64, may: impl Fn(Cell, Cell) -> bool) {
         let all: Vec<[Cell; 2]> = self
             .links

@@ -7,7 +7,8 @@ use crate::section::{CrossSection, Side};
 
 /// Length of a seam, metres.
 const SEAM_M: f64 = 60.0;
-/// Height of an interchange's terminals (on embankments, no bridges) and of its overpass over the motorway, metres.
+/// Height of an interchange's terminals (on embankments, no bridges) and of its overpass over the motorway,
+/// metres.
 const TERMINAL_LIFT_M: f64 = 2.4;
 const OVERPASS_LIFT_M: f64 = 7.6;
 /// Radius and clothoids of a ramp's bend, metres.
@@ -39,8 +40,9 @@ impl Stop {
     }
 }
 
-/// Adds a motorway along its stops, the first and the last of which are nodes; for a closed one they are the same. Before
-/// each interchange the lane on the right leads off, behind it the ramp's lane goes on until the next drop.
+/// Adds a motorway along its stops, the first and the last of which are nodes; for a closed one they are the
+/// same. Before each interchange the lane on the right leads off, behind it the ramp's lane goes on until the
+/// next drop.
 pub(super) fn motorway(layout: &mut Layout, name: &str, shape: CrossSection, stops: &[Stop]) {
     let more = |side: Side| Side { lanes: side.lanes + 1, ..side };
     let nodes: Vec<usize> = (0..stops.len()).filter(|i| stops[*i].node().is_some()).collect();

@@ -1,4 +1,5 @@
-//! A city: an avenue and a boulevard with turn lanes, a roundabout, an underpass, side streets at odd angles, a ring.
+//! A city: an avenue and a boulevard with turn lanes, a roundabout, an underpass, side streets at odd angles,
+//! a ring.
 
 use random::Stream;
 use std::f64::consts::TAU;
@@ -37,7 +38,8 @@ struct City<'a> {
     parameters: &'a TownParameters,
     columns: usize,
     rows: usize,
-    /// The boulevard's column, the avenue's row, the columns of the roundabout (on the avenue) and of the underpass.
+    /// The boulevard's column, the avenue's row, the columns of the roundabout (on the avenue) and of the
+    /// underpass.
     boulevard: usize,
     avenue: usize,
     roundabout: usize,

@@ -134,8 +134,8 @@ impl<'a> Town<'a> {
         self.graph.into_layout(layout, self.parameters.kerb_radius_m)
     }
 
-    /// Streets on the boulevard's other side, as points on the boulevard and on the street behind the large blocks: some
-    /// go on from a street of the centre, some leave the boulevard halfway between two.
+    /// Streets on the boulevard's other side, as points on the boulevard and on the street behind the large
+    /// blocks: some go on from a street of the centre, some leave the boulevard halfway between two.
     fn south_side(&mut self, grid: &[Vec<PointId>]) -> Vec<[PointId; 2]> {
         let depth_m = -self.parameters.commercial.depth_m;
         let last = grid.len() - 1;

@@ -14,7 +14,8 @@ const APART_M: f64 = 100.0;
 const SITE_M: f64 = 150.0;
 const STREET_M: f64 = 70.0;
 const MOTORWAY_M: f64 = 150.0;
-/// Least angle at which a road crosses the motorway, radians; its ends are at least so far from there, metres.
+/// Least angle at which a road crosses the motorway, radians; its ends are at least so far from there,
+/// metres.
 const CROSSING_RAD: f64 = 0.8;
 const CROSSING_M: f64 = 260.0;
 
@@ -52,8 +53,8 @@ pub(super) struct Country<'a> {
 }
 
 impl<'a> Country<'a> {
-    /// A greedy spanner (Althoefer and others, 1993): from short to long, each road that would shorten the way between
-    /// its ends to `stretch` of it or less, as long as nothing is in its way.
+    /// A greedy spanner (Althoefer and others, 1993): from short to long, each road that would shorten the
+    /// way between its ends to `stretch` of it or less, as long as nothing is in its way.
     pub(super) fn new(sites: &'a [Site], obstacles: &'a Obstacles, reach_m: f64, stretch: f64) -> Self {
         let mut country =
             Self { sites, obstacles, links: Vec::new(), near: sites.iter().map(|_| Vec::new()).collect() };
@@ -134,8 +135,8 @@ impl<'a> Country<'a> {
         }
     }
 
-    /// The shortest way between two sites, if it is no longer than a limit: the sites along it, from the second to the
-    /// first (Dijkstra, 1959).
+    /// The shortest way between two sites, if it is no longer than a limit: the sites along it, from the
+    /// second to the first (Dijkstra, 1959).
     pub(super) fn way(&self, [from, to]: Link, limit_m: f64) -> Option<Vec<usize>> {
         let mut before: BTreeMap<usize, usize> = BTreeMap::new();
         let mut reached: Vec<f64> = vec![f64::INFINITY; self.sites.len()];
@@ -165,8 +166,8 @@ impl<'a> Country<'a> {
         None
     }
 
-    /// The roads that lead somewhere: those that can be reached from a site, without dead ends in the fields and without
-    /// loops that end where they began.
+    /// The roads that lead somewhere: those that can be reached from a site, without dead ends in the fields
+    /// and without loops that end where they began.
     pub(super) fn leading(&self, from: usize) -> Vec<Link> {
         let kept = self.reached(from);
         let mut links: Vec<Link> = self.links.iter().copied().filter(|l| kept[l[0]]).collect();

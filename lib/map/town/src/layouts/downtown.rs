@@ -1,5 +1,5 @@
-//! A down-town: a tree-lined boulevard between two districts, avenues with bike lanes, one-way streets, a drive along
-//! the shore.
+//! A down-town: a tree-lined boulevard between two districts, avenues with bike lanes, one-way streets, a
+//! drive along the shore.
 
 use frames::math::{atan2, sin, sin_cos, tan};
 use random::Stream;
@@ -136,8 +136,8 @@ impl<'a> Downtown<'a> {
         town
     }
 
-    /// Where the lines of the grid cross. The rows leave the boulevard at angles of their own on either side; the columns
-    /// sway slowly; the southernmost row is the shore, an arc. At the end the whole is turned.
+    /// Where the lines of the grid cross. The rows leave the boulevard at angles of their own on either side;
+    /// the columns sway slowly; the southernmost row is the shore, an arc. At the end the whole is turned.
     fn places(&self, draws: &mut Stream, boulevard: usize) -> Vec<Vec<[f64; 2]>> {
         let own = &self.parameters.downtown;
         let mut lines = |classes: &[Class]| -> Vec<f64> {

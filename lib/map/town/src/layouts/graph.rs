@@ -1,9 +1,9 @@
 //! Streets as lines through points: the common ground of styles that are no plain grid.
 //!
-//! A [`Graph`] is points and links between them; a link belongs to a line, which is a street with one name and
-//! cross-section. Where two links of one line meet at a junction the street goes straight through it. Points with two
-//! links are corners of a street, points with one are dead ends, and the rest are junctions. [`Graph::into_layout`]
-//! makes nodes and edges of that.
+//! A [`Graph`] is points and links between them; a link belongs to a line, which is a street with one name
+//! and cross-section. Where two links of one line meet at a junction the street goes straight through it.
+//! Points with two links are corners of a street, points with one are dead ends, and the rest are junctions.
+//! [`Graph::into_layout`] makes nodes and edges of that.
 
 use frames::math::{atan2, hypot, sin_cos};
 use frames::wrap_pi;
@@ -93,8 +93,8 @@ impl Graph {
         self.links.extend(points.windows(2).map(|p| Link { line, ends: [p[0], p[1]] }));
     }
 
-    /// States what is at a point; junctions that nothing is said about have a yield sign where three streets meet and
-    /// stop signs where more do.
+    /// States what is at a point; junctions that nothing is said about have a yield sign where three streets
+    /// meet and stop signs where more do.
     pub(super) fn kind(&mut self, point: PointId, kind: NodeKind) {
         self.kinds.insert(point, kind);
     }
@@ -115,8 +115,8 @@ impl Graph {
         Some(middle)
     }
 
-    /// A street that leaves the link between two points at a right angle and ends after `length_m`; negative lengths lead
-    /// to the right, looking from the first point to the second.
+    /// A street that leaves the link between two points at a right angle and ends after `length_m`; negative
+    /// lengths lead to the right, looking from the first point to the second.
     pub(super) fn close(&mut self, line: LineId, from: PointId, to: PointId, share: f64, length_m: f64) {
         let (a, b) = (self.points[from], self.points[to]);
         let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
@@ -156,7 +156,8 @@ impl Graph {
             [only] if rail(only) => Some(NodeKind::MapEdge),
             [_] => Some(NodeKind::DeadEnd { radius_m: CIRCLE_M }),
             [a, b] => {
-                // Walking in along the first and out along the second; round a corner the street stays as it is.
+                // Walking in along the first and out along the second; round a corner the street stays as it
+                // is.
                 let same = mirrored(self.shape_from(*a)) == self.shape_from(*b);
                 let turn = wrap_pi(self.heading(point, *a) - self.heading(point, *b) - PI);
                 (!same && turn.abs() < STRAIGHT_RAD).then_some(NodeKind::Seam { length_m: SEAM_M })
@@ -182,8 +183,8 @@ impl Graph {
         atan2(to[1] - from[1], to[0] - from[0])
     }
 
-    /// Leaves out streets that do not hang together with most others: where links are left out by chance, some may be
-    /// cut off. What reaches the nodes of the layout hangs together by them.
+    /// Leaves out streets that do not hang together with most others: where links are left out by chance,
+    /// some may be cut off. What reaches the nodes of the layout hangs together by them.
     fn leave_out_islands(&mut self, layout: &Layout) {
         let is_rail = |link: &Link| self.lines[link.line].shape.kind == RoadKind::Rail;
         // The first of all points that a point hangs together with.
@@ -210,8 +211,8 @@ impl Graph {
         self.links = self.links.iter().copied().filter(keep).collect();
     }
 
-    /// Nodes and edges: chains of links without a junction between them become one edge. A point at exactly the place of a
-    /// node that the layout has already is that node.
+    /// Nodes and edges: chains of links without a junction between them become one edge. A point at exactly
+    /// the place of a node that the layout has already is that node.
     pub(super) fn into_layout(mut self, mut layout: Layout, kerb_radius_m: f64) -> Layout {
         self.leave_out_islands(&layout);
         let arms = self.arms();

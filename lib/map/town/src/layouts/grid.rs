@@ -21,8 +21,8 @@ const RELIEF_PERIOD_M: [f64; 2] = [420.0, 560.0];
 
 /// The nodes and edges of a town.
 ///
-/// Nodes lie where `columns + 2` lines north and `rows + 2` lines east cross; the outermost lines are the ring, whose
-/// corners are bends and not nodes.
+/// Nodes lie where `columns + 2` lines north and `rows + 2` lines east cross; the outermost lines are the
+/// ring, whose corners are bends and not nodes.
 pub(crate) fn layout(parameters: &TownParameters) -> Layout {
     let own = &parameters.grid;
     let (columns, rows) = (own.columns as usize, own.rows as usize);

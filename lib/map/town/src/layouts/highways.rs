@@ -1,5 +1,5 @@
-//! Highways: a motorway ring with diamonds and a trumpet, and inside it a divided highway where turns to the left are
-//! made through its wide median (Michigan lefts), between suburbs.
+//! Highways: a motorway ring with diamonds and a trumpet, and inside it a divided highway where turns to the
+//! left are made through its wide median (Michigan lefts), between suburbs.
 
 use random::Stream;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -34,11 +34,13 @@ const CROSSOVER_M: f64 = 175.0;
 /// From the ring to where the highway's form changes, west and east, metres.
 const CHANGE_M: [f64; 2] = [400.0, 310.0];
 const CHANGE_LENGTH_M: [f64; 2] = [110.0, 70.0];
-/// From a diamond's street to its seams, from the motorway's axis to the ends of its ramps, and the motorway's height.
+/// From a diamond's street to its seams, from the motorway's axis to the ends of its ramps, and the
+/// motorway's height.
 const REACH_M: f64 = 290.0;
 const RAMP_END_M: f64 = 62.0;
 const DECK_M: f64 = 7.4;
-/// Where lanes end between two interchanges: share of the way to the corner, and the motorway's height, metres.
+/// Where lanes end between two interchanges: share of the way to the corner, and the motorway's height,
+/// metres.
 const DROP_SHARE: f64 = 0.65;
 const DROP_M: f64 = 2.4;
 /// Full length and taper of pockets before crossovers, for turns to the right, and on smaller roads, metres.
@@ -64,7 +66,8 @@ struct Highways<'a> {
     parameters: &'a TownParameters,
     draws: Stream,
     frame: Frame,
-    /// Where the crossroads meet the southern collector, the highway and the northern collector; in the frame.
+    /// Where the crossroads meet the southern collector, the highway and the northern collector; in the
+    /// frame.
     at_m: Vec<[[f64; 2]; 3]>,
     /// West and east side of the ring.
     sides_m: [f64; 2],
@@ -130,7 +133,8 @@ impl<'a> Highways<'a> {
         self.frame.at(x, y)
     }
 
-    /// The motorway, counter-clockwise. Returns the diamonds in the south, east and north, and the trumpet in the west.
+    /// The motorway, counter-clockwise. Returns the diamonds in the south, east and north, and the trumpet in
+    /// the west.
     fn ring(&mut self) -> ([Diamond; 3], Trumpet) {
         let road = Motorway { name: "Ring Motorway", limit_kmh: MOTORWAY_KMH, lanes: MOTORWAY_LANES };
         let [west, east] = self.sides_m;

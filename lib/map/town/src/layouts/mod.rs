@@ -1,8 +1,8 @@
 //! The styles of towns: each turns its parameters into a layout.
 //!
 //! A new style is a file here with a `layout`, a file in `parameters/` with its struct (public,
-//! `#[serde(default, deny_unknown_fields)]`) that has `check`, one variant of [`Style`] with its arms, and its table in
-//! [`TownParameters`].
+//! `#[serde(default, deny_unknown_fields)]`) that has `check`, one variant of [`Style`] with its arms, and
+//! its table in [`TownParameters`].
 
 mod blocks;
 mod carriageways;

@@ -16,8 +16,8 @@ const SEAM_M: f64 = 70.0;
 const EXIT_M: [f64; 2] = [130.0, 50.0];
 /// Lanes for turns to the left at the end of an exit: full length and taper, metres.
 const RAMP_POCKET_M: [f64; 2] = [45.0, 25.0];
-/// Straight stretch of a ramp beside its street, from the street's axis, and radius and clothoid of the bend before it,
-/// metres.
+/// Straight stretch of a ramp beside its street, from the street's axis, and radius and clothoid of the bend
+/// before it, metres.
 const RAMP_STRAIGHT_M: f64 = 80.0;
 const RAMP_BEND_M: [f64; 2] = [140.0, 25.0];
 const RAMP_LANE_M: f64 = 4.0;
@@ -55,7 +55,8 @@ pub(super) struct Motorway<'a> {
 }
 
 impl Motorway<'_> {
-    /// Its cross-section with this many lanes more for the traffic against its s (`left`) and along it (`right`).
+    /// Its cross-section with this many lanes more for the traffic against its s (`left`) and along it
+    /// (`right`).
     pub(super) fn shape(&self, [left, right]: [u8; 2]) -> CrossSection {
         let side = |more: u8| Side::open(self.lanes + more, LANE_M, SHOULDER_M);
         CrossSection {

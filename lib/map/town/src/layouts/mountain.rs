@@ -1,5 +1,5 @@
-//! A mountain town: a motorway in a figure of eight, deck over deck, with the town in one of its loops and a mountain in
-//! the other; a country road joins them over the mountain's pass.
+//! A mountain town: a motorway in a figure of eight, deck over deck, with the town in one of its loops and a
+//! mountain in the other; a country road joins them over the mountain's pass.
 
 use frames::math::{cos, hypot, sin, sin_cos};
 use random::Stream;
@@ -39,7 +39,8 @@ const FACE_RAD: f64 = 0.56;
 const PASS_GRADE: f64 = 0.115;
 /// Radius of its hairpins, and distance between the legs that they join, metres.
 const HAIRPIN_M: [f64; 2] = [22.0, 50.0];
-/// Its tightest bend, metres: where the last hairpin leaves too little room before the pass, another layout is tried.
+/// Its tightest bend, metres: where the last hairpin leaves too little room before the pass, another layout
+/// is tried.
 const PASS_BEND_M: f64 = 12.0;
 /// Its distance from the summit where it begins to climb, and at the pass, metres.
 const FOOT_M: f64 = 320.0;
@@ -225,8 +226,8 @@ impl<'a> Town<'a> {
         })
     }
 
-    /// The country road from the town's gate under one strand and over the other to the mountain, over its pass and down
-    /// to the interchange behind it. Gives the gate.
+    /// The country road from the town's gate under one strand and over the other to the mountain, over its
+    /// pass and down to the interchange behind it. Gives the gate.
     fn country(&mut self, terminal: NodeId) -> NodeId {
         let frame = self.frame;
         let [_, b] = self.half_m;
@@ -260,7 +261,8 @@ impl<'a> Town<'a> {
         );
         let narrow = CrossSection { limit_kmh: PASS_KMH, banked: false, max_grade: PASS_GRADE, ..road };
         let (east, west) = (self.climb(0.1, FACE_RAD, 0.15), self.climb(PI + 0.1, FACE_RAD, -0.1));
-        // The road rounds the summit on the side where there is more room; a lane leads from there to the top.
+        // The road rounds the summit on the side where there is more room; a lane leads from there to the
+        // top.
         let [e, w] = [&east, &west].map(|face| face.last().map_or(0.0, |bend| bend.bearing_rad));
         let between = frames::wrap_pi(w - e);
         let side = e + 0.5 * between;
@@ -294,9 +296,9 @@ impl<'a> Town<'a> {
         self.frame.at(x + radius_m * cos(bearing_rad), y + radius_m * sin(bearing_rad))
     }
 
-    /// Corners of a road that climbs one face of the mountain to and fro, from its foot to the pass, each with its
-    /// radius. The face looks to `bearing_rad` and reaches `half_rad` to both sides; the road sets out clockwise at
-    /// `start_rad` from its middle.
+    /// Corners of a road that climbs one face of the mountain to and fro, from its foot to the pass, each
+    /// with its radius. The face looks to `bearing_rad` and reaches `half_rad` to both sides; the road sets
+    /// out clockwise at `start_rad` from its middle.
     ///
     /// The road gains height evenly along its legs, as the ground falls away from the summit.
     fn climb(&self, bearing_rad: f64, half_rad: f64, start_rad: f64) -> Vec<Bend> {

@@ -1,4 +1,5 @@
-//! A hilly old town: winding streets round a hill with a market at its top, lanes between them, alleys that end.
+//! A hilly old town: winding streets round a hill with a market at its top, lanes between them, alleys that
+//! end.
 
 use frames::math::cos;
 use frames::wrap_pi;
@@ -27,7 +28,8 @@ const STEP_M: f64 = 38.0;
 /// Least distance between the ends of two lanes on a street, and how far a lane slants, metres.
 const FOOT_M: f64 = 46.0;
 const SLANT_M: [f64; 2] = [34.0, 68.0];
-/// Where a lane turns across the slope, as a share of the way between two streets; radius and clothoid, metres.
+/// Where a lane turns across the slope, as a share of the way between two streets; radius and clothoid,
+/// metres.
 const BEND_AT: f64 = 0.33;
 const BEND_M: [f64; 2] = [16.0, 4.0];
 /// Places that are tried for a lane.
@@ -129,8 +131,8 @@ impl<'a> Town<'a> {
         CrossSection { left, ..CrossSection::both_ways(right, STREET_KMH) }
     }
 
-    /// Lanes from ring to ring, one in each sector, clear of the lanes that end there already: hardly one goes straight
-    /// up.
+    /// Lanes from ring to ring, one in each sector, clear of the lanes that end there already: hardly one
+    /// goes straight up.
     fn lanes(&mut self, shape: CrossSection) {
         let gates = self.parameters.oldtown.gates as usize;
         for ring in 0..self.radius_m.len() - 1 {

@@ -67,8 +67,8 @@ pub(super) fn extent(layout: &Layout) -> (Point, f64) {
     (middle, all.iter().map(|p| distance(*p, middle)).fold(0.0, f64::max))
 }
 
-/// Puts a town into a larger layout, its middle at the spot. Its hills and channels come along; what else its ground does
-/// is the larger map's.
+/// Puts a town into a larger layout, its middle at the spot. Its hills and channels come along; what else its
+/// ground does is the larger map's.
 pub(super) fn plant(into: &mut Layout, town: Layout, spot: Spot) -> Patch {
     let (middle, radius_m) = extent(&town);
     let (s, c) = sin_cos(spot.turn_rad);

@@ -1,4 +1,5 @@
-//! A region: several towns, farmland and hamlets between them, a motorway round its middle, a river or a coast.
+//! A region: several towns, farmland and hamlets between them, a motorway round its middle, a river or a
+//! coast.
 
 use random::Stream;
 

@@ -1,5 +1,5 @@
-//! The land of a region: its waters, its motorway with interchanges, where its towns stand, and where country roads may
-//! meet.
+//! The land of a region: its waters, its motorway with interchanges, where its towns stand, and where country
+//! roads may meet.
 
 use frames::math::{cos, sin, sin_cos};
 use random::Stream;
@@ -16,7 +16,8 @@ use crate::path::{Pose2, Via};
 use crate::section::{CrossSection, Side};
 use crate::terrain::{Channel, Terrain, Wave};
 
-/// Legs of the motorway, and the least and largest distance of its corners from the middle, as a share of the size.
+/// Legs of the motorway, and the least and largest distance of its corners from the middle, as a share of the
+/// size.
 const LEGS: usize = 8;
 const CORNER_SHARE: [f64; 2] = [0.29, 0.365];
 /// Radius and clothoids of its corners, metres.
@@ -30,10 +31,12 @@ const DROP_M: f64 = 520.0;
 const APPROACH_M: f64 = 225.0;
 /// Roads at most that lead away from a town.
 const GATES: usize = 5;
-/// Least distances of a town's streets from the motorway, from other towns, from the river and from the shore, metres.
+/// Least distances of a town's streets from the motorway, from other towns, from the river and from the
+/// shore, metres.
 const TOWN_GAP_M: [f64; 3] = [380.0, 600.0, 220.0];
 const SHORE_GAP_M: f64 = 70.0;
-/// Junctions of country roads are so far from water, those of the road along the shore so far from it, metres.
+/// Junctions of country roads are so far from water, those of the road along the shore so far from it,
+/// metres.
 const DRY_M: f64 = 190.0;
 const SHORE_ROAD_M: f64 = 150.0;
 /// Roads cross the motorway so far from its bridges over the river, metres.
@@ -272,7 +275,8 @@ impl<'a> Region<'a> {
         self.sites.push(Site { at_m, from_m: Some(from), group: Some(group) });
     }
 
-    /// Finds room for a town and puts it there: the second one by the sea, the others near an interchange if there is any.
+    /// Finds room for a town and puts it there: the second one by the sea, the others near an interchange if
+    /// there is any.
     fn town(&mut self, town: &Layout) {
         let (_, radius) = extent(town);
         let reach = 0.5 * self.parameters.region.size_m - radius - 180.0;

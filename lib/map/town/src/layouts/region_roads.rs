@@ -12,7 +12,8 @@ use super::region_land::Region;
 use crate::layout::{Anchor, Control, Layout, NodeId, NodeKind};
 use crate::section::{CrossSection, Pocket, Side};
 
-/// Roads between sites are at most so many times as long as the distance of farms, and shorten ways to so much.
+/// Roads between sites are at most so many times as long as the distance of farms, and shorten ways to so
+/// much.
 const REACH: f64 = 2.3;
 const STRETCH: f64 = 1.65;
 /// Distance between the bends of a country road, and the largest way that they lead aside, metres.
@@ -31,8 +32,8 @@ const OVER_M: f64 = 7.8;
 const DECK_M: f64 = 24.0;
 /// Where it leaves the ground, metres from there.
 const RISE_M: f64 = 210.0;
-/// Probability that a road has a farm; least and largest length of its track, and what it keeps free of other roads and
-/// of water, metres.
+/// Probability that a road has a farm; least and largest length of its track, and what it keeps free of other
+/// roads and of water, metres.
 const FARM_SHARE: f64 = 0.45;
 const TRACK_M: [f64; 2] = [80.0, 190.0];
 const TRACK_FREE_M: f64 = 100.0;
@@ -139,8 +140,8 @@ fn main_roads(region: &Region<'_>, country: &Country<'_>) -> Vec<Link> {
     main
 }
 
-/// Joins roads that continue one another: always where no third one is, and elsewhere those of one class that face each
-/// other.
+/// Joins roads that continue one another: always where no third one is, and elsewhere those of one class that
+/// face each other.
 fn join(ways: &mut [Way], places: &[Point]) {
     let at = |ways: &[Way], place: usize| -> Vec<usize> {
         (0..ways.len()).filter(|w| ways[*w].ends.contains(&place)).collect()

@@ -1,4 +1,5 @@
-//! Country roads: narrow lanes between scattered crossroads, farms at the end of tracks, a single-track railway.
+//! Country roads: narrow lanes between scattered crossroads, farms at the end of tracks, a single-track
+//! railway.
 
 use random::Stream;
 use std::f64::consts::TAU;
@@ -148,8 +149,8 @@ impl<'a> Land<'a> {
         }
     }
 
-    /// Roads from south to north. Those that the railway crosses do it halfway, where they are straight; the crossings
-    /// from west to east.
+    /// Roads from south to north. Those that the railway crosses do it halfway, where they are straight; the
+    /// crossings from west to east.
     fn across(&mut self, lane: CrossSection) -> Vec<PointId> {
         let (columns, rows) = (self.at.len(), self.at[0].len());
         let mut crossings = Vec::new();

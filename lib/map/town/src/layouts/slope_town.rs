@@ -1,5 +1,5 @@
-//! A small town on a slope: streets along it, a main street among them, and short lanes between neighbouring ones that
-//! hardly ever line up.
+//! A small town on a slope: streets along it, a main street among them, and short lanes between neighbouring
+//! ones that hardly ever line up.
 
 use frames::math::sin;
 use random::Stream;
@@ -19,7 +19,8 @@ const PARKING_M: f64 = 2.1;
 /// Narrow streets and their sidewalks, metres.
 const NARROW_M: f64 = 3.0;
 const NARROW_SIDEWALK_M: f64 = 1.8;
-/// Two junctions of a street nearer than the first figure are one, and otherwise further apart than the second, metres.
+/// Two junctions of a street nearer than the first figure are one, and otherwise further apart than the
+/// second, metres.
 const SAME_M: f64 = 15.0;
 const APART_M: f64 = 56.0;
 /// Least difference between the beginnings of neighbouring streets, metres.
@@ -172,8 +173,8 @@ fn lanes_between(
     }
 }
 
-/// Where a lane may join a street: at a junction that is there already (its index), or at a new one; nothing where it
-/// would be too near to another.
+/// Where a lane may join a street: at a junction that is there already (its index), or at a new one; nothing
+/// where it would be too near to another.
 fn joint(street: &Row, x: f64) -> Option<Option<usize>> {
     let near = |limit: f64| street.joints.iter().position(|(at, ..)| (at - x).abs() < limit);
     match near(SAME_M) {

@@ -4,8 +4,8 @@ use super::motorway::{Frame, LANE_M, Motorway, exit_lane, ramp_shape};
 use crate::layout::{Edge, Layout, Node, NodeId, NodeKind};
 use crate::section::{CrossSection, Side};
 
-/// Where the motorway's seams lie, along its axis, metres: ramps of the near side's exit and the far side's entry; the
-/// loop; the near side's entry.
+/// Where the motorway's seams lie, along its axis, metres: ramps of the near side's exit and the far side's
+/// entry; the loop; the near side's entry.
 const SEAMS_M: [f64; 3] = [-410.0, 110.0, 390.0];
 /// Where the road's seams lie: near side's ramps, and the end behind the motorway.
 const ROAD_M: [f64; 2] = [-235.0, 62.0];
@@ -23,7 +23,8 @@ const FAR_BEND_M: [[f64; 2]; 2] = [[85.0, 25.0], [130.0, 30.0]];
 const NEAR_M: [f64; 2] = [20.0, -48.0];
 const NEAR_BEND_M: [f64; 2] = [105.0, 30.0];
 const RAMP_KMH: f64 = 50.0;
-/// Lanes of each direction of the road that ends here, from its first seam on; its shoulder, median and speed limit.
+/// Lanes of each direction of the road that ends here, from its first seam on; its shoulder, median and speed
+/// limit.
 pub(super) const LANES: u8 = 2;
 const ROAD_SHOULDER_M: f64 = 2.0;
 const ROAD_MEDIAN_M: f64 = 4.0;
@@ -45,8 +46,8 @@ pub(super) fn road_shape(lanes: u8) -> CrossSection {
 
 /// Adds a trumpet's nodes and ramps; the motorway and the road's other end are the caller's.
 ///
-/// Its frame: the motorway runs along x, the road comes from the right of it (from negative y). The motorway's s runs
-/// against x.
+/// Its frame: the motorway runs along x, the road comes from the right of it (from negative y). The
+/// motorway's s runs against x.
 pub(super) fn trumpet(layout: &mut Layout, motorway: &Motorway<'_>, name: &str, frame: Frame) -> Trumpet {
     let seams = SEAMS_M.map(|x| motorway.seam(layout, frame.at(x, 0.0), 0.0));
     let mut seam = |k: usize| {

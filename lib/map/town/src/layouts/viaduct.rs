@@ -110,8 +110,8 @@ impl<'a> City<'a> {
         self.layout
     }
 
-    /// The motorway: along the viaduct with two interchanges, round the corners of the city's northern half, and along
-    /// its north with a third one. Returns the interchanges.
+    /// The motorway: along the viaduct with two interchanges, round the corners of the city's northern half,
+    /// and along its north with a third one. Returns the interchanges.
     fn motorway(&mut self) -> ([Diamond; 2], Diamond) {
         let own = &self.parameters.viaduct;
         let (deck, frame) = (own.deck_m, self.frame);

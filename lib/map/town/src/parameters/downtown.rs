@@ -15,7 +15,8 @@ pub struct DowntownParameters {
     pub rows: u32,
     /// Least and largest distance between two neighbouring streets, metres.
     pub block_m: [f64; 2],
-    /// How far the streets of either district turn away from a right angle with the boulevard, degrees (0..=9).
+    /// How far the streets of either district turn away from a right angle with the boulevard, degrees
+    /// (0..=9).
     pub skew_deg: f64,
     /// How far the shore bulges out between its ends, metres (0..=120).
     pub shore_m: f64,

@@ -35,7 +35,8 @@ pub struct RegionParameters {
     pub winding: f64,
     /// Probability that a country junction has a hamlet round it (0..=1).
     pub hamlet_share: f64,
-    /// Height difference between the highest and the lowest ground, metres (0..=60, with a river or a coast 0..=8).
+    /// Height difference between the highest and the lowest ground, metres (0..=60, with a river or a coast
+    /// 0..=8).
     pub relief_m: f64,
     /// A river from north to south.
     pub river: bool,

@@ -26,8 +26,8 @@ pub struct RuralParameters {
     pub farms: u32,
     /// Whether a railway crosses the map.
     pub railway: bool,
-    /// Height difference between the highest and the lowest ground, metres; less where roads would be too steep
-    /// (0..=15).
+    /// Height difference between the highest and the lowest ground, metres; less where roads would be too
+    /// steep (0..=15).
     pub relief_m: f64,
 }
 

@@ -90,8 +90,8 @@ fn check_no_holes(map: &Map) {
     let (columns, rows) = (((east - west) / CELL_M) as usize + 1, ((north - south) / CELL_M) as usize + 1);
     let mut paved = vec![false; columns * rows];
     for lane in map.lanes() {
-        // The samples of a section are common to its lanes: no cracks between them. Between roads there are cracks as
-        // wide as the chords are off.
+        // The samples of a section are common to its lanes: no cracks between them. Between roads there are
+        // cracks as wide as the chords are off.
         let samples = map.section_samples(lane.id.road, lane.id.section, 0.002);
         let line = map.lane_polyline_at(lane.id, &samples);
         for i in 1..line.s.len() {
@@ -128,7 +128,8 @@ fn check_no_holes(map: &Map) {
     }
 }
 
-/// Marks the cells whose centre is in a convex or nearly convex ring; seams get no gaps, as rings share their edges.
+/// Marks the cells whose centre is in a convex or nearly convex ring; seams get no gaps, as rings share their
+/// edges.
 fn fill(ring: &[[f64; 2]], columns: usize, cells: &mut [bool]) {
     let low = ring.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min) as usize;
     let high = ring.iter().map(|p| p[1]).fold(0.0, f64::max).ceil() as usize;
@@ -137,7 +138,8 @@ fn fill(ring: &[[f64; 2]], columns: usize, cells: &mut [bool]) {
         let mut cuts: Vec<f64> = Vec::new();
         for (i, a) in ring.iter().enumerate() {
             let b = &ring[(i + 1) % ring.len()];
-            // Both rings of a shared edge must cut it at the same bits: a diagonal may run through cell centres.
+            // Both rings of a shared edge must cut it at the same bits: a diagonal may run through cell
+            // centres.
             let (a, b) = if a[1] <= b[1] { (a, b) } else { (b, a) };
             if (a[1] <= y) != (b[1] <= y) {
                 cuts.push(a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]));

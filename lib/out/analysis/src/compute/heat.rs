@@ -6,8 +6,8 @@ use schema::measures::bev::{BEV_GRIDS, BEV_HEAT, bin_of_block, heat_block, heat_
 use crate::table::{Section, Table};
 use crate::totals::MeasureTotals;
 
-/// One row a block of cells, one column a class: how often its cells carry it, percent. Masks have so many cells along
-/// each side, of so many metres.
+/// One row a block of cells, one column a class: how often its cells carry it, percent. Masks have so many
+/// cells along each side, of so many metres.
 pub(super) fn bev_heat(counts: &MeasureTotals, cells: usize, cell_m: f64) -> Table {
     let side = if counts.has(BEV_HEAT) { heat_blocks(cells) } else { 0 };
     let mut sizes = vec![0_u64; side];

@@ -18,7 +18,8 @@ const BAR: f64 = 9.0;
 const BAR_GAP: f64 = 8.0;
 /// Values below this part of the largest one have the faintest colour.
 const RANGE: f64 = 1e4;
-/// From rare to frequent: evenly spaced colours of the map viridis, by Stéfan van der Walt and Nathaniel Smith (CC0).
+/// From rare to frequent: evenly spaced colours of the map viridis, by Stéfan van der Walt and Nathaniel
+/// Smith (CC0).
 const COLOURS: [[u8; 3]; 9] = [
     [68, 1, 84],
     [71, 44, 122],

@@ -31,8 +31,8 @@ impl Scale {
         Self { log: false, ticks: (0..=5).map(|i| f64::from(i) / 5.0).collect() }
     }
 
-    /// Decades that hold `min` (above their start where it can be, so that its bar is seen) and `max`. Both are
-    /// at least 1.
+    /// Decades that hold `min` (above their start where it can be, so that its bar is seen) and `max`. Both
+    /// are at least 1.
     pub(super) fn log(min: f64, max: f64) -> Self {
         let first = (math::log10(min.max(1.0)).ceil() - 1.0).max(0.0);
         let last = math::log10(max.max(1.0)).ceil().max(first + 1.0);

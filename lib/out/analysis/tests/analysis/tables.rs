@@ -340,7 +340,8 @@ fn points_and_places_have_tables_and_figures() {
         row("", SEEN_BY_VEHICLES, "car", ahead, 11),
     ];
     let tables = tables_of(&[scene(0, 1, 0)], &rows);
-    // 1000 points lie on the edge of a level that ends at 1334: 1154 in the middle; 10 in one that ends at 13.3.
+    // 1000 points lie on the edge of a level that ends at 1334: 1154 in the middle; 10 in one that ends at
+    // 13.3.
     let wanted = "class,from_m,objects,tenth,median,nine_tenths\ncar,0,10,1,1154,1154\ncar,60,1,11,11,11\n";
     assert_eq!(csv(&tables, "lidar_points_by_distance"), wanted);
     assert_eq!(csv(&tables, "seen_by_vehicles").lines().nth(1), Some("32.5,2.5,0,0,0,11,0,0,0,0,0,0"));
@@ -361,7 +362,8 @@ fn points_and_places_have_tables_and_figures() {
 #[test]
 fn bev_labels_have_places() {
     use measures::bev::{BEV_CELLS, BEV_GRIDS, BEV_HEAT};
-    // Ten masks of 400 by 400 cells: blocks of 8 by 8, 3.2 m. The last block of the first row is far ahead on the right.
+    // Ten masks of 400 by 400 cells: blocks of 8 by 8, 3.2 m. The last block of the first row is far ahead on
+    // the right.
     let rows = [
         row("rsu_0", BEV_GRIDS, "exact", 0, 10),
         row("rsu_0", BEV_CELLS, "road", 0, 336),

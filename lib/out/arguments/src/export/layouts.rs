@@ -42,7 +42,8 @@ pub struct NuScenesArgs {
     /// What all layouts take.
     #[command(flatten)]
     pub common: CommonArgs,
-    /// One version for all, by its name, such as v1.0-trainval (default: one for each split and map, v1.0-SPLIT-MAP).
+    /// One version for all, by its name, such as v1.0-trainval (default: one for each split and map,
+    /// v1.0-SPLIT-MAP).
     #[arg(long = "version-name", value_name = "NAME")]
     pub version_name: Option<String>,
     /// Samples (annotated keyframes) stand at least so many frames apart.
@@ -82,13 +83,15 @@ pub struct SharedArgs {
     /// What all layouts take.
     #[command(flatten)]
     pub common: CommonArgs,
-    /// The classes of the boxes that are listed (default: car,truck,bus; of v2x-real pedestrian,motorcycle,bicycle, too).
+    /// The classes of the boxes that are listed (default: car,truck,bus; of v2x-real
+    /// pedestrian,motorcycle,bicycle, too).
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = class)]
     pub classes: Vec<DetectionClass>,
     /// The lidar of agents with several (default: LIDAR, else the first by name).
     #[arg(long, value_name = "NAME")]
     pub lidar: Option<String>,
-    /// The cameras ahead, right, left and back by name (default: camera0 to camera3, else by where they look).
+    /// The cameras ahead, right, left and back by name (default: camera0 to camera3, else by where they
+    /// look).
     #[arg(long, value_name = "A,B,C,D", value_parser = four)]
     pub cameras: Option<[String; 4]>,
 }
@@ -136,8 +139,8 @@ pub struct SimBev2xArgs {
     /// Colours of the pictures of BEV masks.
     #[arg(long, value_enum, default_value = "plain")]
     pub palette: PaletteWord,
-    /// The folder by which readers will find the dataset (their --path): it stands in the paths of the infos (default: as --dest
-    /// is given).
+    /// The folder by which readers will find the dataset (their --path): it stands in the paths of the infos
+    /// (default: as --dest is given).
     #[arg(long, value_name = "DIR")]
     pub path_prefix: Option<String>,
 }

@@ -16,8 +16,8 @@ pub const SCORE_TYPES: &str = "float16, float32, float64 (0 to 1), uint8 (0 to 2
 /// The member that says how large cells are, m; the store's, where there is none.
 const CELL: &str = "cell_m.npy";
 
-/// A folder of archives `SCENE/AGENT.npz` (`0007/vehicle_0.npz`), or of one such folder for each mode of cooperation
-/// (`x2x/0007/vehicle_0.npz`).
+/// A folder of archives `SCENE/AGENT.npz` (`0007/vehicle_0.npz`), or of one such folder for each mode of
+/// cooperation (`x2x/0007/vehicle_0.npz`).
 #[derive(Clone, Debug)]
 pub struct MaskFolder {
     path: PathBuf,
@@ -102,7 +102,8 @@ impl MaskArchive {
         }
     }
 
-    /// How many thresholds the scores of a frame reach, `[classes, cells, cells]`, and how many cells a side has.
+    /// How many thresholds the scores of a frame reach, `[classes, cells, cells]`, and how many cells a side
+    /// has.
     pub(crate) fn passed(&mut self, frame: u32, classes: usize) -> Result<(Vec<u8>, usize), EvaluationError> {
         let member = frame_member(frame);
         let array = self.archive.read(&member).map_err(|e| match e {

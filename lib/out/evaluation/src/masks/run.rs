@@ -46,12 +46,12 @@ struct Ego<'a> {
     frames: u32,
 }
 
-/// Holds predicted masks against those of some scenes, on the threads of the pool at hand; the result does not depend on how many
-/// these are. A frame for each thread is in memory.
+/// Holds predicted masks against those of some scenes, on the threads of the pool at hand; the result does
+/// not depend on how many these are. A frame for each thread is in memory.
 ///
 /// # Errors
-/// The store or the folder cannot be read; an ego or frame that is evaluated has no masks; masks have other classes than the
-/// store's, or cells that do not lie on its cells; a score is none.
+/// The store or the folder cannot be read; an ego or frame that is evaluated has no masks; masks have other
+/// classes than the store's, or cells that do not lie on its cells; a score is none.
 pub fn evaluate_masks(
     scenes: &[SceneReader],
     masks: &MaskFolder,

@@ -23,8 +23,9 @@ pub fn passed(score: f32) -> Option<u8> {
     (0.0..=1.0).contains(&score).then(|| MASK_THRESHOLDS.iter().filter(reaches).count() as u8)
 }
 
-/// Where the cells of predictions lie on those of a store: as many of the store's cells as are `labelled` a side, and of
-/// `predicted` a side, each of which covers `times` by `times` of the former; both have the ego in the middle.
+/// Where the cells of predictions lie on those of a store: as many of the store's cells as are `labelled` a
+/// side, and of `predicted` a side, each of which covers `times` by `times` of the former; both have the ego
+/// in the middle.
 #[derive(Clone, Debug)]
 pub struct Grid {
     labelled: usize,
@@ -100,8 +101,9 @@ impl MaskTally {
         }
     }
 
-    /// Adds a frame: labels `[classes, rows, columns]`, not 0 where they are, and how many thresholds the scores of predictions
-    /// reach ([`passed`]), likewise. Nothing is added, and `false` said, where one of them has another number of cells.
+    /// Adds a frame: labels `[classes, rows, columns]`, not 0 where they are, and how many thresholds the
+    /// scores of predictions reach ([`passed`]), likewise. Nothing is added, and `false` said, where one of
+    /// them has another number of cells.
     pub fn add(&mut self, grid: &Grid, labels: &[u8], passed: &[u8]) -> bool {
         let classes = self.classes.len();
         if labels.len() != classes * grid.labelled * grid.labelled

@@ -1,5 +1,6 @@
-//! nuScenes' numbers against those of nuscenes-devkit's own algorithms, those of SimBEV2X, OPV2V and BEV masks against
-//! implementations in numpy that were written apart from ours: `golden.py` says how they were made.
+//! nuScenes' numbers against those of nuscenes-devkit's own algorithms, those of SimBEV2X, OPV2V and BEV
+//! masks against implementations in numpy that were written apart from ours: `golden.py` says how they were
+//! made.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -48,8 +48,8 @@ fn kind_of(raw: &schema::tables::BoxRow) -> Option<&'static str> {
     })
 }
 
-/// The label of a box in a picture of a size; none where the picture does not show it or the benchmark has no such class.
-/// `shown` is what the store says of it in this picture, if it says anything.
+/// The label of a box in a picture of a size; none where the picture does not show it or the benchmark has no
+/// such class. `shown` is what the store says of it in this picture, if it says anything.
 pub(super) fn label(
     labelled: &LabelledBox,
     shown: Option<&Box2dRow>,
@@ -115,7 +115,8 @@ fn area([left, top, right, bottom]: [f64; 4]) -> f64 {
 }
 
 impl Label {
-    /// The line of the object benchmark, without its end; that of tracking has the frame and the track before it.
+    /// The line of the object benchmark, without its end; that of tracking has the frame and the track before
+    /// it.
     pub(super) fn line(&self) -> String {
         let [left, top, right, bottom] = self.bounds_px;
         let [height, width, length] = self.height_width_length_m;
@@ -151,7 +152,8 @@ mod tests {
     const K: [[f64; 3]; 3] = [[500.0, 0.0, 320.0], [0.0, 500.0, 180.0], [0.0, 0.0, 1.0]];
     const SIZE: [f64; 2] = [640.0, 360.0];
 
-    /// The world as a camera at the origin sees it that looks along +x: x right is -y, y down is -z, z ahead is x.
+    /// The world as a camera at the origin sees it that looks along +x: x right is -y, y down is -z, z ahead
+    /// is x.
     fn optical_from_world() -> Isometry3<f64> {
         let half = 0.5;
         let turn = nalgebra::Quaternion::new(half, -half, half, -half);
@@ -180,7 +182,8 @@ mod tests {
     #[test]
     fn a_car_ahead_that_drives_away() {
         let label = of(&car(20.0, 0.0, 0.0)).expect("is in the picture");
-        // Its rear is 18 m away: 1 m of width are 500 / 18 pixels; it stands from 1 m below to 0.5 m above the camera.
+        // Its rear is 18 m away: 1 m of width are 500 / 18 pixels; it stands from 1 m below to 0.5 m above
+        // the camera.
         let side = 500.0 / 18.0;
         let expected = [320.0 - side, 180.0 - side / 2.0, 320.0 + side, 180.0 + side];
         assert!(

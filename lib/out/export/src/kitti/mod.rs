@@ -1,5 +1,5 @@
-//! KITTI's object and tracking benchmarks (Geiger et al., "Are we ready for autonomous driving?", 2012; files as the benchmarks'
-//! development kits describe them): one set of each for every agent.
+//! KITTI's object and tracking benchmarks (Geiger et al., "Are we ready for autonomous driving?", 2012; files
+//! as the benchmarks' development kits describe them): one set of each for every agent.
 //!
 //! ```text
 //! AGENT/tracking/training/{image_02,velodyne}/SSSS/FFFFFF.{png,bin}   SSSS the scene, FFFFFF from 0 without gaps
@@ -9,7 +9,8 @@
 //! AGENT/object/ImageSets/{train,val,test}.txt
 //! ```
 //!
-//! The object benchmark's pictures and clouds are links to those of the tracking benchmark: the bytes are there once.
+//! The object benchmark's pictures and clouds are links to those of the tracking benchmark: the bytes are
+//! there once.
 
 mod calib;
 mod label;

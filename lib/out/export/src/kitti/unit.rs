@@ -157,8 +157,8 @@ impl Inertial {
         Ok(Some(Self { gnss: scene.readings(agent, gnss)?, imu: scene.readings(agent, imu)? }))
     }
 
-    /// A line of `oxts`: position and motion as KITTI's development kit lists them. Angles and velocities are true, positions and
-    /// accelerations those of the receivers; nothing where they have none.
+    /// A line of `oxts`: position and motion as KITTI's development kit lists them. Angles and velocities are
+    /// true, positions and accelerations those of the receivers; nothing where they have none.
     fn line(&mut self, frame: u32, truth: &AgentRow) -> Result<String, ExportError> {
         let (Some(fix), Some(imu)) = (self.gnss.at(frame)?, self.imu.at(frame)?) else {
             return Ok("\n".into());

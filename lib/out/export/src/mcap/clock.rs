@@ -4,7 +4,8 @@ use schema::FRAME_PERIOD_S;
 
 use super::messages::{Duration, Timestamp};
 
-/// Seconds since 1970 at frame 0: 2001-09-09 01:46:40 UTC. Not 0, which stands for "whenever" in some readers.
+/// Seconds since 1970 at frame 0: 2001-09-09 01:46:40 UTC. Not 0, which stands for "whenever" in some
+/// readers.
 pub(crate) const EPOCH_S: u32 = 1_000_000_000;
 const NANOS: u64 = 1_000_000_000;
 

@@ -1,4 +1,5 @@
-//! What readers need to know of a message: a `FileDescriptorSet` with a file for it and each message that it needs.
+//! What readers need to know of a message: a `FileDescriptorSet` with a file for it and each message that it
+//! needs.
 
 use std::collections::BTreeSet;
 

@@ -39,7 +39,8 @@ fn style(kind: VectorKind) -> Option<([u8; 3], f64, f64)> {
     })
 }
 
-/// The map of a scene, as far as the static world is there around its agents: one thing that is drawn for each kind of lines.
+/// The map of a scene, as far as the static world is there around its agents: one thing that is drawn for
+/// each kind of lines.
 ///
 /// # Errors
 /// The map's table cannot be read.

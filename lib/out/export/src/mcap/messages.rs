@@ -1,6 +1,8 @@
-//! The messages that files hold: Foxglove's, by names and numbers of its public schemas, and three of our own.
+//! The messages that files hold: Foxglove's, by names and numbers of its public schemas, and three of our
+//! own.
 //!
-//! What is drawn of a scene is here whole, with primitives that are never used: viewers look for their lists by name.
+//! What is drawn of a scene is here whole, with primitives that are never used: viewers look for their lists
+//! by name.
 
 use super::wire::messages;
 
@@ -198,8 +200,8 @@ messages! {
     }
     /// Things that are drawn from now on.
     SceneUpdate in "foxglove" { deletions: Vec<SceneEntityDeletion> = 1, entities: Vec<SceneEntity> = 2, }
-    /// A reading of an IMU in its own frame: specific force in m/s2 (at rest z is +9.81), angular velocity in rad/s, heading in
-    /// rad clockwise from the world's +y.
+    /// A reading of an IMU in its own frame: specific force in m/s2 (at rest z is +9.81), angular velocity in
+    /// rad/s, heading in rad clockwise from the world's +y.
     Imu in "convoy" {
         timestamp: Timestamp = 1,
         frame_id: String = 2,

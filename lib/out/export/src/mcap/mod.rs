@@ -1,5 +1,5 @@
-//! MCAP files (mcap.dev) of Foxglove's messages in protocol buffers: one for each scene, for Foxglove, Rerun and whoever reads
-//! recordings of robots.
+//! MCAP files (mcap.dev) of Foxglove's messages in protocol buffers: one for each scene, for Foxglove, Rerun
+//! and whoever reads recordings of robots.
 //!
 //! ```text
 //! SPLIT/scene_SSSS.mcap
@@ -9,9 +9,9 @@
 //!   /AGENT/CAMERA/{image,semantic,instance,depth,calibration}
 //! ```
 //!
-//! A scene is made by tracks (what is read together) that run side by side, a frame at a time; each makes a chunk of its own
-//! of every frame, and the chunks are written in the tracks' order. So a reader of boxes need not unpack pictures, and the
-//! bytes do not depend on the number of threads.
+//! A scene is made by tracks (what is read together) that run side by side, a frame at a time; each makes a
+//! chunk of its own of every frame, and the chunks are written in the tracks' order. So a reader of boxes
+//! need not unpack pictures, and the bytes do not depend on the number of threads.
 
 mod chunk;
 mod clock;

@@ -36,7 +36,8 @@ pub(crate) struct Packed {
     pub(crate) data: Vec<u8>,
 }
 
-/// Packs named columns, in their order, each element on a multiple of four bytes; none if they are not of one length.
+/// Packs named columns, in their order, each element on a multiple of four bytes; none if they are not of one
+/// length.
 pub(crate) fn pack(columns: &[(&str, Values<'_>)]) -> Option<Packed> {
     let count = columns.first().map_or(0, |(_, values)| values.len());
     if columns.iter().any(|(_, values)| values.len() != count) {

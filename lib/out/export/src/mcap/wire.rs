@@ -1,7 +1,8 @@
-//! Protocol buffers as far as messages are written: fields in order of their numbers, proto3's defaults left out.
+//! Protocol buffers as far as messages are written: fields in order of their numbers, proto3's defaults left
+//! out.
 //!
-//! By hand: a message's fields stand in one list, from which its bytes and its description for readers both follow
-//! (`prost` makes the first of them, and a build of `protoc` would have to make the second).
+//! By hand: a message's fields stand in one list, from which its bytes and its description for readers both
+//! follow (`prost` makes the first of them, and a build of `protoc` would have to make the second).
 
 /// Numbers of types in descriptors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

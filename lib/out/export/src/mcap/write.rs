@@ -137,7 +137,8 @@ fn open(scene: &SceneSource, options: McapOptions, topics: &mut Topics) -> Resul
     Ok(tracks)
 }
 
-/// Opens the tracks of an agent's sensors: those with a few numbers a frame, and those that are worth a chunk of their own.
+/// Opens the tracks of an agent's sensors: those with a few numbers a frame, and those that are worth a chunk
+/// of their own.
 fn sensor_tracks(
     scene: &SceneSource,
     agent: AgentId,

@@ -278,7 +278,8 @@ mod tests {
     #[test]
     fn labels_follow_the_object_where_the_tag_says_less() {
         let objects = Objects { kinds: BTreeMap::new(), categories: BTreeMap::from([(5, 14), (6, 3)]) };
-        // A rider is of the bicycle; a child is no adult; a road is a road; an object that nobody knows goes by its tag.
+        // A rider is of the bicycle; a child is no adult; a road is a road; an object that nobody knows goes
+        // by its tag.
         assert_eq!([objects.label(5, 13), objects.label(6, 12)], [14, 3]);
         assert_eq!([objects.label(5, 1), objects.label(9, 12)], [24, 2]);
     }

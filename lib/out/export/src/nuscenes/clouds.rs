@@ -25,7 +25,8 @@ pub(crate) const RADAR_POINT_BYTES: u64 = 43;
 /// Bodies whose own motion along the ray is slower than this stand, m/s.
 const STANDING_MPS: f64 = 0.5;
 
-/// The layout's lidar frame has x to the right and y ahead: a turn of -90 degrees about z takes its points to ours.
+/// The layout's lidar frame has x to the right and y ahead: a turn of -90 degrees about z takes its points to
+/// ours.
 pub(crate) fn sensor_from_layout() -> UnitQuaternion<f64> {
     UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -std::f64::consts::FRAC_PI_2)
 }
@@ -55,8 +56,9 @@ pub(crate) fn radar_velocity(
     (world_from_agent.rotation * agent_from_radar.rotation).inverse() * in_world
 }
 
-/// Returns as the layout's file, in the radar's frame: places, cross-sections, radial velocities along the rays, as measured and
-/// without the radar's own motion. A file has at least one point; of none it says so by not-a-number.
+/// Returns as the layout's file, in the radar's frame: places, cross-sections, radial velocities along the
+/// rays, as measured and without the radar's own motion. A file has at least one point; of none it says so by
+/// not-a-number.
 pub(crate) fn radar_file(returns: &Returns, radar_mps: &Vector3<f64>) -> Vec<u8> {
     let points = returns.depth.len();
     let mut bytes = radar_header(points.max(1));

@@ -94,8 +94,8 @@ impl Shape {
         Some(Self { rings, span: [y0, y1] })
     }
 
-    /// Fills what of a row (at a height y) lies inside. Pixel i is at x = i / 10 from the origin; crossings are counted half
-    /// open, so that neighbours leave no gap.
+    /// Fills what of a row (at a height y) lies inside. Pixel i is at x = i / 10 from the origin; crossings
+    /// are counted half open, so that neighbours leave no gap.
     fn fill(&self, y: f64, x0: f64, row: &mut [u8], crossings: &mut Vec<f64>) {
         crossings.clear();
         for ring in &self.rings {
@@ -144,8 +144,8 @@ fn shapes(elements: &[MapElement]) -> Vec<Shape> {
     shapes
 }
 
-/// Paints a map's mask as PNG, a few rows in memory at a time: 255 where one may drive, else 0. Pixel (i, j) is at global x = i / 10
-/// and y = (rows - j) / 10, as devkits have it.
+/// Paints a map's mask as PNG, a few rows in memory at a time: 255 where one may drive, else 0. Pixel (i, j)
+/// is at global x = i / 10 and y = (rows - j) / 10, as devkits have it.
 pub(crate) fn paint(canvas: &Canvas, elements: &[MapElement], out: impl Write) -> Result<(), ImageError> {
     let [columns, rows] = canvas.pixels;
     let mut shapes = shapes(elements);
@@ -205,7 +205,8 @@ mod tests {
 
     #[test]
     fn lanes_and_junctions_are_painted_where_they_are() {
-        // A lane from (0, 2) to (8, 2), 3 m wide, and a junction of 6 m square with a hole of 2 m; the picture begins at (-10, -10).
+        // A lane from (0, 2) to (8, 2), 3 m wide, and a junction of 6 m square with a hole of 2 m; the
+        // picture begins at (-10, -10).
         let mut lane = element(VectorKind::LaneCentreline, &[[0.0, 2.0], [8.0, 2.0]]);
         lane.lane_type = Some("Driving".into());
         lane.boundaries = vec![1, 2];

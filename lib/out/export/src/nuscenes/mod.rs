@@ -10,8 +10,9 @@
 //! maps/MAP.png                                     where one may drive, 0.1 m a pixel
 //! ```
 //!
-//! A VERSION is `v1.0-SPLIT-MAP`. The global frame of a map is the world moved by whole metres, so that all coordinates are positive
-//! and the mask begins where the scenes do; how far it is moved stands in `map.json` (`global_from_world_m`).
+//! A VERSION is `v1.0-SPLIT-MAP`. The global frame of a map is the world moved by whole metres, so that all
+//! coordinates are positive and the mask begins where the scenes do; how far it is moved stands in `map.json`
+//! (`global_from_world_m`).
 
 mod boxes;
 mod clouds;

@@ -166,7 +166,8 @@ pub(crate) fn cost(
     Ok(cost)
 }
 
-/// Seconds of a core that a reading of so many bytes takes, about: less than it was on the demo dataset (docs/performance.md).
+/// Seconds of a core that a reading of so many bytes takes, about: less than it was on the demo dataset
+/// (docs/performance.md).
 fn cpu_s(modality: Modality, bytes: u64) -> f64 {
     let per_byte = match modality {
         Modality::Camera => 2e-9,

@@ -101,8 +101,8 @@ fn no_place(sensor: &SensorEntry) -> Option<&'static str> {
     }
 }
 
-/// Every how many frames of the log a scene's samples stand: the least multiple of all wanted agents' and labels' rates that is
-/// not below what is wanted, so that every sample has all channels and boxes.
+/// Every how many frames of the log a scene's samples stand: the least multiple of all wanted agents' and
+/// labels' rates that is not below what is wanted, so that every sample has all channels and boxes.
 ///
 /// # Errors
 /// As [`Rig::of`].

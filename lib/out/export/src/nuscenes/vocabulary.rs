@@ -119,7 +119,8 @@ pub(crate) fn index_of_tag(tag: u8) -> u8 {
     category_index(name)
 }
 
-/// Whether returns of a tag are of a thing whose object says more than the tag: who walks, what is ridden, what is towed.
+/// Whether returns of a tag are of a thing whose object says more than the tag: who walks, what is ridden,
+/// what is towed.
 pub(crate) fn is_told_by_object(tag: u8) -> bool {
     matches!(Tag::from_u8(tag), Some(Tag::Pedestrian | Tag::Rider | Tag::Truck | Tag::Bus))
 }
@@ -164,8 +165,8 @@ impl Modality {
     }
 }
 
-/// The channel and modality of a sensor; none of what the layout has no place for. `is_top` is the lidar that every sample must
-/// have.
+/// The channel and modality of a sensor; none of what the layout has no place for. `is_top` is the lidar that
+/// every sample must have.
 pub(crate) fn channel(sensor: &SensorEntry, is_top: bool) -> Option<(String, Modality)> {
     match sensor.kind {
         SensorKind::Image(ImageKind::Rgb) => Some((sensor.camera()?.to_owned(), Modality::Camera)),

@@ -1,7 +1,7 @@
 //! The beams of a lidar whose rings nobody knows, told by the heights at which they look.
 //!
-//! A spinning lidar's beams have each an elevation of its own, and noise along a ray leaves it alone: elevations of points lie at
-//! as many places as there are beams, to the last digits of their coordinates.
+//! A spinning lidar's beams have each an elevation of its own, and noise along a ray leaves it alone:
+//! elevations of points lie at as many places as there are beams, to the last digits of their coordinates.
 
 use scene::SensorEntry;
 use schema::AgentId;
@@ -9,9 +9,11 @@ use schema::AgentId;
 use super::clouds::Sweep;
 use crate::{ExportError, SceneSource};
 
-/// Sweeps of a scene in which beams are looked for: those that look into the sky here meet something elsewhere.
+/// Sweeps of a scene in which beams are looked for: those that look into the sky here meet something
+/// elsewhere.
 const LOOKED_AT: u32 = 5;
-/// Elevations that lie farther apart are those of two beams, rad: the beams of the finest lidars are 0.1 degrees apart.
+/// Elevations that lie farther apart are those of two beams, rad: the beams of the finest lidars are 0.1
+/// degrees apart.
 const APART_RAD: f64 = 0.02 * std::f64::consts::PI / 180.0;
 /// Those of one beam lie within this, rad.
 const TOGETHER_RAD: f64 = APART_RAD;
@@ -94,7 +96,8 @@ mod tests {
 
     use super::*;
 
-    /// A sweep of beams at some elevations (degrees): so many columns, ranges that change from ray to ray, their rings.
+    /// A sweep of beams at some elevations (degrees): so many columns, ranges that change from ray to ray,
+    /// their rings.
     fn sweep(beams_deg: &[(u16, f64)], columns: u32, smear: f64) -> Sweep {
         let mut sweep = Sweep::default();
         for column in 0..columns {
@@ -121,7 +124,8 @@ mod tests {
     fn rings_are_found_again() {
         let all = beams(128);
         let whole = sweep(&all, 90, 0.0);
-        // The upper beams meet nothing at this frame: rings are counted from the highest that ever met something.
+        // The upper beams meet nothing at this frame: rings are counted from the highest that ever met
+        // something.
         let low = sweep(&all[40..], 90, 0.0);
         let found = Beams::of(&[low.clone(), whole.clone()]).expect("has beams");
         assert_eq!(found.0.len(), 128);

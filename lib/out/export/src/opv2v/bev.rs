@@ -1,4 +1,5 @@
-//! Pictures from above: 256 x 256 pixels of 0.390625 m around an agent, ahead is up, right is right; any grey but black is yes.
+//! Pictures from above: 256 x 256 pixels of 0.390625 m around an agent, ahead is up, right is right; any grey
+//! but black is yes.
 //!
 //! A point x ahead and y to the right of the agent lies at row 128 - 2.56 x, column 128 + 2.56 y.
 
@@ -210,7 +211,8 @@ mod tests {
         let mut mask = Mask::new();
         mask.fill(corners.map(|[x, y]| place(&agent, [x, y, 0.0])));
         let lit = pixels(&mask);
-        // Rows 128 - 30.72 = 97.28 to 107.52, columns 125.44 to 130.56: the middles of 97 to 107 and 125 to 130 are in.
+        // Rows 128 - 30.72 = 97.28 to 107.52, columns 125.44 to 130.56: the middles of 97 to 107 and 125 to
+        // 130 are in.
         let rows: Vec<usize> = lit.iter().map(|p| p.0).collect();
         let columns: Vec<usize> = lit.iter().map(|p| p.1).collect();
         assert_eq!((rows.iter().min(), rows.iter().max()), (Some(&97), Some(&107)));

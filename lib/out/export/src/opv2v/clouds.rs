@@ -34,7 +34,8 @@ impl Sweep {
         place.map(|((x, y), z)| math::atan2(f64::from(*z), math::hypot(f64::from(*x), f64::from(*y))))
     }
 
-    /// Which of the beams to keep so that about so many are left. The lowest beam that met something counts them.
+    /// Which of the beams to keep so that about so many are left. The lowest beam that met something counts
+    /// them.
     pub(super) fn thinning(&self, beams: u16) -> u16 {
         let all = self.ring.iter().max().map_or(0, |last| u32::from(*last) + 1);
         let beams = u32::from(beams);

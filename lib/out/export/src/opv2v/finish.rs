@@ -1,4 +1,5 @@
-//! What is common to all: facts of scenarios, who carries which sensor for HEAL, and what trainers must be told.
+//! What is common to all: facts of scenarios, who carries which sensor for HEAL, and what trainers must be
+//! told.
 
 use std::collections::BTreeMap;
 
@@ -84,8 +85,9 @@ fn protocol(scene: u32, agents: &[Fragment]) -> Value {
     ])
 }
 
-/// Which sensor of an agent HEAL shall use: m1 its lidar, m2 its cameras, m3 32 and m4 (cameras again) in turn, so that each is
-/// there as often. Agents without cameras take turns with lidars alone, those without thinned clouds have no m3.
+/// Which sensor of an agent HEAL shall use: m1 its lidar, m2 its cameras, m3 32 and m4 (cameras again) in
+/// turn, so that each is there as often. Agents without cameras take turns with lidars alone, those without
+/// thinned clouds have no m3.
 fn modalities(scenes: &Scenes) -> Value {
     let of = |(number, (scene, agent)): (usize, (u32, &Fragment))| {
         let turn = number + scene as usize;

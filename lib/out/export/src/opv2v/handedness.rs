@@ -1,7 +1,8 @@
 //! Poses and points of CARLA's world: left-handed (x as ours, y to the other side, z up), metres and degrees.
 //!
-//! A pose is `[x, y, z, roll, yaw, pitch]`, in this order, and stands for the matrix Rz(yaw) Ry(-pitch) Rx(-roll) beside x, y, z.
-//! With M = diag(1, -1, 1, 1) that matrix is M T M for a transform T of ours: points, axes and cameras are mirrored alike.
+//! A pose is `[x, y, z, roll, yaw, pitch]`, in this order, and stands for the matrix Rz(yaw) Ry(-pitch)
+//! Rx(-roll) beside x, y, z. With M = diag(1, -1, 1, 1) that matrix is M T M for a transform T of ours:
+//! points, axes and cameras are mirrored alike.
 
 use frames::{Frame, Pose, to_deg, wrap_pi};
 use nalgebra::{Matrix4, UnitQuaternion, Vector3};
@@ -9,8 +10,8 @@ use nalgebra::{Matrix4, UnitQuaternion, Vector3};
 /// Digits after the point in what is written: micrometres, and millionths of a degree (2 um at 120 m).
 const DECIMALS: f64 = 1e6;
 
-/// Boxes whose heading is nearer than this to the opposite of a lidar's are turned away from it, degrees: loaders average the
-/// directions of four edges as numbers, and half of them may read 180, half -180.
+/// Boxes whose heading is nearer than this to the opposite of a lidar's are turned away from it, degrees:
+/// loaders average the directions of four edges as numbers, and half of them may read 180, half -180.
 const OPPOSITE_DEG: f64 = 1e-4;
 
 /// `[x, y, z, roll, yaw, pitch]`.

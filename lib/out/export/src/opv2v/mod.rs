@@ -1,4 +1,5 @@
-//! The layouts of OPV2V (OpenCOOD, HEAL, CoBEVT) and V2X-Real: scenarios of agents, a YAML, a cloud and four pictures a frame.
+//! The layouts of OPV2V (OpenCOOD, HEAL, CoBEVT) and V2X-Real: scenarios of agents, a YAML, a cloud and four
+//! pictures a frame.
 //!
 //! ```text
 //! OPV2V/{train,validate,test}/scene_NNNN/data_protocol.yaml
@@ -8,7 +9,8 @@
 //! heter_modality_assign.json  hypes/
 //! ```
 //!
-//! V2X-Real: below `V2X-Real/`, clouds are `FFFFFF.bin`, objects have an `obj_type`, and there is nothing more.
+//! V2X-Real: below `V2X-Real/`, clouds are `FFFFFF.bin`, objects have an `obj_type`, and there is nothing
+//! more.
 
 mod beams;
 mod bev;

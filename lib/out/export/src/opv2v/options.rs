@@ -58,7 +58,8 @@ pub(super) fn split_of(split: &str) -> &str {
     if split == "val" { "validate" } else { split }
 }
 
-/// Folder of a scene. Loaders replace words in whole paths: names of maps, which may hold any of them, are not in it.
+/// Folder of a scene. Loaders replace words in whole paths: names of maps, which may hold any of them, are
+/// not in it.
 pub(super) fn scenario(scene: u32) -> String {
     format!("scene_{scene:04}")
 }

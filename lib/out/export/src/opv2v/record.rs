@@ -24,8 +24,8 @@ pub(super) fn to_json(value: &Value) -> Vec<u8> {
     value.to_string().into_bytes()
 }
 
-/// The tree as YAML 1.1, for readers that know no exponents: maps in lines, lists in brackets. Keys that are whole numbers are
-/// read as numbers.
+/// The tree as YAML 1.1, for readers that know no exponents: maps in lines, lists in brackets. Keys that are
+/// whole numbers are read as numbers.
 pub(super) fn to_yaml(value: &Value) -> Vec<u8> {
     let mut text = String::new();
     block(&mut text, value, 0);
@@ -84,7 +84,8 @@ fn decimal(number: &serde_json::Number) -> String {
     }
 }
 
-/// A text as it is where it can only be read as that, else quoted. Whole numbers stay bare: as keys they are ids.
+/// A text as it is where it can only be read as that, else quoted. Whole numbers stay bare: as keys they are
+/// ids.
 fn plain(word: &str) -> String {
     let id = word.strip_prefix('-').unwrap_or(word);
     if !id.is_empty() && id.bytes().all(|b| b.is_ascii_digit()) {

@@ -220,7 +220,8 @@ fn member(
             None
         }
     };
-    // What the pixels of instance images say is in the labels, whether the images themselves are wanted or not.
+    // What the pixels of instance images say is in the labels, whether the images themselves are wanted or
+    // not.
     let all = sensors_of(scene.reader(), agent)?;
     let instance = all.iter().find(|sensor| sensor.kind == SensorKind::Image(ImageKind::Instance));
     let pixels_every_n_frames = instance.map(|sensor| sensor.about.every_n_frames.max(1));

@@ -61,7 +61,8 @@ pub(super) fn write(
 /// Bytes and seconds of one core of a member's frame, about.
 pub(super) fn cost(scene: &SceneSource, member: &Member, variant: Variant) -> [f64; 2] {
     let sweeps = schema::rate::count(scene.info().frames, member.lidar.about.every_n_frames).max(1);
-    // A point takes some 15 bytes in the store, 16 in a cloud; half and a quarter of them stand in thinned ones.
+    // A point takes some 15 bytes in the store, 16 in a cloud; half and a quarter of them stand in thinned
+    // ones.
     let cloud = 1.1 * member.lidar.bytes as f64 / f64::from(sweeps);
     let pictures = member.cameras.iter().flatten().map(|camera| {
         let [width, height] = camera.size_px().map(f64::from);

@@ -16,8 +16,8 @@ pub(super) fn kmh(velocity_mps: [f64; 3]) -> f64 {
     3.6 * Vector3::from(velocity_mps).norm()
 }
 
-/// The type that V2X-Real's loaders know objects of a class by; none where they know none. Those that they do not know are
-/// dropped by them without a word.
+/// The type that V2X-Real's loaders know objects of a class by; none where they know none. Those that they do
+/// not know are dropped by them without a word.
 pub(super) fn type_of(class: DetectionClass) -> Option<&'static str> {
     Some(match class {
         DetectionClass::Car => "Car",
@@ -53,8 +53,8 @@ fn bottom_m(raw: &BoxRow) -> Vector3<f64> {
     [0, 2, 4, 6].map(|at: usize| Vector3::from(corners[at])).iter().sum::<Vector3<f64>>() / 4.0
 }
 
-/// The objects of an agent's list of which it has a point, by name. Lidars are those of all agents: none of them may see an
-/// object from behind along its own axis ([`turned_away`]).
+/// The objects of an agent's list of which it has a point, by name. Lidars are those of all agents: none of
+/// them may see an object from behind along its own axis ([`turned_away`]).
 pub(super) fn listed<'a>(
     own: impl Iterator<Item = &'a LabelledBox>,
     options: &Options,

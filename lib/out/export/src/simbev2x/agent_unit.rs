@@ -140,7 +140,8 @@ fn rank(sensor: &SensorEntry) -> (usize, usize, usize) {
     }
 }
 
-/// Frames of a piece: few enough that threads end at about the same time, and enough that opening tables is little beside them.
+/// Frames of a piece: few enough that threads end at about the same time, and enough that opening tables is
+/// little beside them.
 const FRAMES_A_PIECE: u32 = 16;
 
 /// In how many pieces an agent is written.

@@ -103,8 +103,8 @@ fn say_seen(record: &mut Record, points: [u32; 2], valid: bool, class: &str, dif
     ]);
 }
 
-/// The objects of a frame over all agents: the first box of each, points summed up, seen if anybody saw it, its difficulty by
-/// points alone.
+/// The objects of a frame over all agents: the first box of each, points summed up, seen if anybody saw it,
+/// its difficulty by points alone.
 #[derive(Default)]
 pub(super) struct Combined {
     order: Vec<u16>,
@@ -145,7 +145,8 @@ impl Combined {
     }
 }
 
-/// Angular velocities in degrees: their x and y have the opposite sign of a right-handed vector's, z is the yaw rate.
+/// Angular velocities in degrees: their x and y have the opposite sign of a right-handed vector's, z is the
+/// yaw rate.
 pub(super) fn flipped_deg([x, y, z]: [f64; 3]) -> [f64; 3] {
     [-x, -y, z].map(frames::to_deg)
 }
@@ -178,7 +179,8 @@ fn type_id(row: &BoxRow, class: Option<DetectionClass>) -> String {
     }
 }
 
-/// The facts of an object, all of them texts. Those of scenery, of which the layout says nothing, have its model first.
+/// The facts of an object, all of them texts. Those of scenery, of which the layout says nothing, have its
+/// model first.
 fn attributes(
     row: &BoxRow,
     class: Option<DetectionClass>,

@@ -1,7 +1,7 @@
 //! The layout of SimBEV2X, as its post-processor, visualisers, statistics scripts and data loader read it.
 //!
-//! A scene is a unit of its own (boxes of all agents, lanes, configuration, log, the picture from above) beside one for each agent
-//! (sensors, grids, masks). Infos are made at the end from what the units left.
+//! A scene is a unit of its own (boxes of all agents, lanes, configuration, log, the picture from above)
+//! beside one for each agent (sensors, grids, masks). Infos are made at the end from what the units left.
 
 mod agent_unit;
 mod detection;

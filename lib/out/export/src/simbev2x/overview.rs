@@ -24,7 +24,8 @@ schema::columns! {
     Place of StateRow { frame: i32, id: u16, xyz_m: [f64; 3], quaternion: [f64; 4] }
 }
 
-/// What a camera far above the first vehicle sees, drawn as a map with what stands and moves on it; up is where that vehicle goes.
+/// What a camera far above the first vehicle sees, drawn as a map with what stands and moves on it; up is
+/// where that vehicle goes.
 ///
 /// # Errors
 /// Map or log cannot be read, or there is no memory for the picture.
@@ -181,7 +182,8 @@ mod tests {
 
     #[test]
     fn up_is_where_the_vehicle_goes_and_the_picture_is_480_m_wide() {
-        // At the origin of the world, to the north: the picture's middle top is 240 m north, its middle right 240 m east.
+        // At the origin of the world, to the north: the picture's middle top is 240 m north, its middle right
+        // 240 m east.
         let north = [0.5_f64.sqrt(), 0.0, 0.0, 0.5_f64.sqrt()];
         let view = View::of(&AgentRow { quaternion: north, ..AgentRow::default() });
         let half_m = 1000.0 * tan(frames::deg(13.5));

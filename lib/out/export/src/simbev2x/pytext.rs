@@ -1,7 +1,7 @@
 //! JSON as Python's `json.dump(..., indent=4)` writes it.
 //!
-//! By hand: `serde_json` writes numbers that are none as `null` and text beyond ASCII as it is; the files' readers are Python's,
-//! and compare well with files that Python wrote.
+//! By hand: `serde_json` writes numbers that are none as `null` and text beyond ASCII as it is; the files'
+//! readers are Python's, and compare well with files that Python wrote.
 
 use std::fmt::Write;
 
@@ -127,8 +127,8 @@ pub(super) fn quote(out: &mut String, text: &str) {
     out.push('"');
 }
 
-/// A number as Python's `repr` writes it: the shortest decimal that reads back, from 1e-4 up to 1e16 without an exponent; `NaN`,
-/// `Infinity` and `-Infinity` as Python's `json` names them.
+/// A number as Python's `repr` writes it: the shortest decimal that reads back, from 1e-4 up to 1e16 without
+/// an exponent; `NaN`, `Infinity` and `-Infinity` as Python's `json` names them.
 pub(super) fn float(value: f64) -> String {
     if value.is_nan() {
         return "NaN".into();

@@ -1,5 +1,5 @@
-//! Where sensors are, as the layout has room for: one place for each name, one matrix for all cameras of vehicles and one for
-//! those of RSUs.
+//! Where sensors are, as the layout has room for: one place for each name, one matrix for all cameras of
+//! vehicles and one for those of RSUs.
 
 use std::collections::BTreeMap;
 
@@ -60,7 +60,8 @@ impl Default for Voxels {
 /// What is said of the sensors of one kind of agents. Numbers are kept as texts that read back exactly.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Rig {
-    /// Translation and quaternion of each place (`CAM_FRONT`, `LIDAR`, `RAD_BACK`, `VOXEL-GRID`), with who says so.
+    /// Translation and quaternion of each place (`CAM_FRONT`, `LIDAR`, `RAD_BACK`, `VOXEL-GRID`), with who
+    /// says so.
     mounts: BTreeMap<String, (String, String)>,
     /// The matrix of the cameras.
     intrinsics: Option<(String, String)>,
@@ -382,7 +383,8 @@ mod tests {
 
     #[test]
     fn a_turned_lidar_turns_what_is_seen_from_it() {
-        // A lidar that looks to the left, 2 m up; a radar 1 m left of it that looks to the left, too: 1 m ahead of the lidar.
+        // A lidar that looks to the left, 2 m up; a radar 1 m left of it that looks to the left, too: 1 m
+        // ahead of the lidar.
         let left = [0.5_f64.sqrt(), 0.0, 0.0, 0.5_f64.sqrt()];
         let mut rigs = Rigs::default();
         rigs.add("a", AgentKind::Vehicle, LIDAR, &about([0.0, 0.0, 2.0], left)).expect("fits");

@@ -23,7 +23,8 @@ pub struct SceneSource {
     agents: Vec<AgentId>,
     selection: Selection,
     digest: String,
-    /// The wanted sensors of the agents that were asked for: who plans, estimates and writes asks again and again.
+    /// The wanted sensors of the agents that were asked for: who plans, estimates and writes asks again and
+    /// again.
     sensors: Arc<Mutex<BTreeMap<AgentId, Vec<SensorEntry>>>>,
 }
 
@@ -186,7 +187,8 @@ impl SceneSource {
         Ok(sensors)
     }
 
-    /// Columns of a sensor's table that are no readings: zeros, because the dataset that was imported did not say them.
+    /// Columns of a sensor's table that are no readings: zeros, because the dataset that was imported did not
+    /// say them.
     ///
     /// # Errors
     /// As [`unknown_columns`].

@@ -38,8 +38,8 @@ pub enum IndexError {
     },
 }
 
-/// Finds the parts of a file: `{"metadata": {...}, "data": {"scene_0000": {...}, ...}}`. What the parts hold is not looked at,
-/// but for its brackets and texts.
+/// Finds the parts of a file: `{"metadata": {...}, "data": {"scene_0000": {...}, ...}}`. What the parts hold
+/// is not looked at, but for its brackets and texts.
 ///
 /// # Errors
 /// It cannot be read; brackets do not fit together; a part is missing, no object, or there twice.

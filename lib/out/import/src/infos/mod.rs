@@ -51,7 +51,8 @@ impl Infos {
     /// Looks through the infos of a dataset. The files are read once, in small pieces.
     ///
     /// # Errors
-    /// There are none; one is no JSON of such infos; the files say different things of the sensors; two scenes have one number.
+    /// There are none; one is no JSON of such infos; the files say different things of the sensors; two
+    /// scenes have one number.
     pub fn open(folder: &Folder) -> Result<Self, ImportError> {
         let mut found: Option<Self> = None;
         for split in Split::ALL {

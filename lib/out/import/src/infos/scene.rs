@@ -73,7 +73,8 @@ impl Scene {
     }
 }
 
-/// The records of an agent: scene and frame as they are counted, one after another, and each with the files of the first.
+/// The records of an agent: scene and frame as they are counted, one after another, and each with the files
+/// of the first.
 fn records(items: Vec<Value>, scene: u32) -> Result<Vec<Record>, String> {
     let mut found: Vec<Record> = Vec::with_capacity(items.len());
     let mut times = Vec::with_capacity(items.len());
@@ -94,7 +95,8 @@ fn records(items: Vec<Value>, scene: u32) -> Result<Vec<Record>, String> {
     Ok(found)
 }
 
-/// Datasets of the original have clocks of their own. Where all times are those of every n-th frame, frames are missing between.
+/// Datasets of the original have clocks of their own. Where all times are those of every n-th frame, frames
+/// are missing between.
 fn check_step(times: &[Option<i128>]) -> Result<(), String> {
     let &[Some(0), Some(second), ..] = times else { return Ok(()) };
     let is_even = times.iter().zip(0..).all(|(time, k): (_, i128)| *time == Some(k * second));

@@ -1,4 +1,5 @@
-//! Whatever is done to the bytes of a file, there is an answer, and no panic: what `fuzz/` does for hours, for a moment.
+//! Whatever is done to the bytes of a file, there is an answer, and no panic: what `fuzz/` does for hours,
+//! for a moment.
 
 use std::io::Cursor;
 

@@ -1,9 +1,9 @@
-//! What is seen, on the CPU: a tiled rasteriser for pinhole cameras and a packet ray tracer for lidar, radar and
-//! shadows: implements [`Renderer`](crate::Renderer).
+//! What is seen, on the CPU: a tiled rasteriser for pinhole cameras and a packet ray tracer for lidar, radar
+//! and shadows: implements [`Renderer`](crate::Renderer).
 //!
-//! Both look at the same triangles: per mesh a search tree, built once; per frame a tree over the instances. Bounding
-//! volumes, tiles and packets only leave out what can't be seen, so results do not depend on how the trees were
-//! built or on the number of threads.
+//! Both look at the same triangles: per mesh a search tree, built once; per frame a tree over the instances.
+//! Bounding volumes, tiles and packets only leave out what can't be seen, so results do not depend on how the
+//! trees were built or on the number of threads.
 //!
 //! ```
 //! use std::sync::Arc;

@@ -1,8 +1,9 @@
-//! What decides which triangle is seen, in the rasteriser and the tracer alike: signs of products with edges, and one
-//! reciprocal by which depths are compared.
+//! What decides which triangle is seen, in the rasteriser and the tracer alike: signs of products with edges,
+//! and one reciprocal by which depths are compared.
 //!
-//! Nothing here is fused, divided or rooted: adding, subtracting and multiplying round alike on all processors, divisions need
-//! not. So whoever follows these steps elsewhere gets the same ids and the same bits of depth.
+//! Nothing here is fused, divided or rooted: adding, subtracting and multiplying round alike on all
+//! processors, divisions need not. So whoever follows these steps elsewhere gets the same ids and the same
+//! bits of depth.
 #![allow(clippy::needless_range_loop, reason = "one index runs through many lane arrays")]
 
 /// Vectors by axis and lane.
@@ -10,20 +11,22 @@ pub(crate) type Vectors<const N: usize> = [[f64; N]; 3];
 
 /// Triangles as seen from a point, before any direction is known.
 pub(crate) struct Outlines<const N: usize> {
-    /// Normals of the planes through the point and an edge, opposite to corner 0, 1, 2. The products with all three are
-    /// positive for directions that pass through the triangle.
+    /// Normals of the planes through the point and an edge, opposite to corner 0, 1, 2. The products with all
+    /// three are positive for directions that pass through the triangle.
     pub(crate) edges: [Vectors<N>; 3],
     /// Across the triangle, away from the point.
     pub(crate) normal: Vectors<N>,
-    /// Distance of the triangle's plane, times the normal's length: positive, or zero for one that is seen edge-on.
+    /// Distance of the triangle's plane, times the normal's length: positive, or zero for one that is seen
+    /// edge-on.
     pub(crate) offset: [f64; N],
 }
 
 impl<const N: usize> Outlines<N> {
     /// Of corners relative to the point.
     ///
-    /// Products of single-precision numbers are exact in double precision, so the normal of an edge is off by less than a direction
-    /// is, however long and flat the triangle; and two neighbours get exactly opposite ones: no direction slips through.
+    /// Products of single-precision numbers are exact in double precision, so the normal of an edge is off by
+    /// less than a direction is, however long and flat the triangle; and two neighbours get exactly opposite
+    /// ones: no direction slips through.
     #[inline(always)]
     pub(crate) fn new([a, b, c]: &[Vectors<N>; 3]) -> Self {
         let mut normal = cross(&less(b, a), &less(c, a));
@@ -67,21 +70,22 @@ fn cross<const N: usize>(p: &Vectors<N>, q: &Vectors<N>) -> Vectors<N> {
     all
 }
 
-/// Whether a direction with these products with the edges passes through the triangle. The least that counts is zero where an
-/// edge itself belongs to the triangle.
+/// Whether a direction with these products with the edges passes through the triangle. The least that counts
+/// is zero where an edge itself belongs to the triangle.
 #[inline(always)]
 pub(crate) fn inside(products: [f32; 3], least: [f32; 3]) -> bool {
     (products[0] >= least[0]) & (products[1] >= least[1]) & (products[2] >= least[2])
 }
 
-/// The number whose bits less those of another are its reciprocal, to an eighth: it halves the exponent's distance from one.
+/// The number whose bits less those of another are its reciprocal, to an eighth: it halves the exponent's
+/// distance from one.
 const SEED: u32 = 0x7EF3_11C7;
 const SEED_F64: u64 = 0x7FDE_6238_22FC_16E6;
 /// The bits that leave a number the upper half of its digits.
 const UPPER: u32 = !0xFFF;
 
-/// The reciprocal by additions and multiplications alone, to a unit or two in the last place, of numbers from 2^-100 to 2^100
-/// either side of zero; not a number for zero.
+/// The reciprocal by additions and multiplications alone, to a unit or two in the last place, of numbers from
+/// 2^-100 to 2^100 either side of zero; not a number for zero.
 #[inline(always)]
 pub(crate) fn near_reciprocal(x: f32) -> f32 {
     let mut y = f32::from_bits(SEED.wrapping_sub(x.to_bits()));

@@ -1,7 +1,7 @@
 //! Packets of rays with one origin, through boxes and triangles.
 //!
-//! A single ray is a packet of one lane, so single rays and packets compute the same bits. The loops over lanes
-//! are written plainly over fixed arrays; the compiler turns them into vector instructions.
+//! A single ray is a packet of one lane, so single rays and packets compute the same bits. The loops over
+//! lanes are written plainly over fixed arrays; the compiler turns them into vector instructions.
 #![allow(clippy::needless_range_loop, reason = "one index runs through many lane arrays")]
 
 use crate::{RayBatch, SKY};
@@ -78,8 +78,8 @@ impl<const N: usize> Boxes<N> for Slabs<N> {
     fn entry(&self, packet: &Packet<N>, node: &Node) -> f32 {
         let [lo, hi] = self.origins.corners(node);
         let [ix, iy, iz] = &self.inverse;
-        // No distance is negative, so they have the same order as whole numbers, and of those the compiler finds the least in
-        // registers.
+        // No distance is negative, so they have the same order as whole numbers, and of those the compiler
+        // finds the least in registers.
         let mut least = i32::MAX;
         for i in 0..N {
             let (x0, x1) = (lo.x * ix[i], hi.x * ix[i]);
@@ -99,7 +99,8 @@ impl<const N: usize> Boxes<N> for Slabs<N> {
 pub(crate) struct Fan {
     /// Of lanes that go up the least and the greatest; huge and zero where there are none.
     up: [Vec3; 2],
-    /// Of lanes that go down that nearest to zero and that farthest from it; hugely negative and zero where there are none.
+    /// Of lanes that go down that nearest to zero and that farthest from it; hugely negative and zero where
+    /// there are none.
     down: [Vec3; 2],
     origins: Origins,
 }
@@ -121,7 +122,8 @@ impl<const N: usize> Boxes<N> for Fan {
     fn entry(&self, packet: &Packet<N>, node: &Node) -> f32 {
         let [lo, hi] = self.origins.corners(node);
         let [up, down] = [&self.up, &self.down];
-        // Where the box is not about the origin, one of the two is not positive, or huge if no lane goes its way.
+        // Where the box is not about the origin, one of the two is not positive, or huge if no lane goes its
+        // way.
         let near = |axis: usize| max(lo[axis] * up[0][axis], hi[axis] * down[0][axis]);
         let far = |axis: usize| max(hi[axis] * up[1][axis], lo[axis] * down[1][axis]);
         let near = max(max(max(near(0), near(1)), near(2)), packet.t_nearest);

@@ -257,7 +257,8 @@ impl Placement<'_, '_> {
             .for_each(|(task, ((((t, instance), triangle), u), v))| {
                 let first = task * RAYS_PER_TASK;
                 let mut out = HitsMut { t, instance, triangle, u, v };
-                // A lane's bits do not depend on the other lanes, so a lone ray may have a packet of its own size.
+                // A lane's bits do not depend on the other lanes, so a lone ray may have a packet of its own
+                // size.
                 if out.t.len() == 1 {
                     self.follow::<1>(batch, first, &mut out);
                 } else {

@@ -175,7 +175,8 @@ fn classes_of(snapshot: &Snapshot, of: &[ObjectId]) -> BTreeMap<ObjectId, Detect
     classes
 }
 
-/// The box around the picture of some instances' parts, left, top, right, bottom; it holds all pixels of `visible`.
+/// The box around the picture of some instances' parts, left, top, right, bottom; it holds all pixels of
+/// `visible`.
 fn silhouette<'a>(
     snapshot: &Snapshot,
     instances: impl Iterator<Item = &'a Instance>,
@@ -223,8 +224,8 @@ fn silhouette<'a>(
     [low[0], low[1], high[0], high[1]]
 }
 
-/// Calls with points of an edge, from the first on and short of the last, as near to one another as a lens may bend it: they are
-/// a degree apart at most.
+/// Calls with points of an edge, from the first on and short of the last, as near to one another as a lens
+/// may bend it: they are a degree apart at most.
 fn along(a: Vec3, b: Vec3, each: &mut impl FnMut(Vec3)) {
     let (mut share, whole) = (0.0_f32, (b - a).length());
     while share < 1.0 {
@@ -335,7 +336,8 @@ mod tests {
         thing(&mut world, Tag::Wall, [0.1, 4.0, 8.0], 8, [1.0, 2.0, -4.0]);
         let got = boxes_through(world, Lens::Fisheye { k: [0.0; 4] });
         let [row] = got.as_slice() else { panic!("a wall has no class: {got:?}") };
-        // The middles of its edges are at 45 degrees, 50 pi / 4 pixels from the axis; its corners are nearer both ways.
+        // The middles of its edges are at 45 degrees, 50 pi / 4 pixels from the axis; its corners are nearer
+        // both ways.
         let reach = 50.0 * std::f32::consts::FRAC_PI_4;
         let want = [50.0 - reach, 30.0 - reach, 50.0 + reach, 30.0 + reach];
         assert!(row.amodal_px.iter().zip(want).all(|(a, b)| (a - b).abs() < 0.02), "{row:?} {want:?}");

@@ -11,13 +11,13 @@ use super::image::Image;
 use super::sight::Sight;
 use crate::error::SensorError;
 
-/// Current minus previous position on the screen of the surface at each pixel, x right, y up, the picture being
-/// 2 units wide and high.
+/// Current minus previous position on the screen of the surface at each pixel, x right, y up, the picture
+/// being 2 units wide and high.
 ///
-/// "Previous" is one frame period earlier, however seldom pictures are taken.
-/// The sky is infinitely far: it moves with the camera's rotation alone. Each component is limited to +-2, which a
-/// surface that was beside or behind the camera a frame ago exceeds, and rounded to a multiple of 2^-17. What stands
-/// still before a camera that stands still has flow 0 exactly.
+/// "Previous" is one frame period earlier, however seldom pictures are taken. The sky is infinitely far: it
+/// moves with the camera's rotation alone. Each component is limited to +-2, which a surface that was beside
+/// or behind the camera a frame ago exceeds, and rounded to a multiple of 2^-17. What stands still before a
+/// camera that stands still has flow 0 exactly.
 impl Image for Flow {
     type Row = FlowRow;
 

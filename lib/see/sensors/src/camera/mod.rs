@@ -29,8 +29,8 @@ pub(crate) use render_views::render_views;
 pub use sight::Sight;
 pub(crate) use visible::VisibleObjects;
 
-/// Shows a visitor the images of every camera of a rig. A kind and the type that makes it have one name, and a kind
-/// that is missing here does not compile.
+/// Shows a visitor the images of every camera of a rig. A kind and the type that makes it have one name, and
+/// a kind that is missing here does not compile.
 macro_rules! visit_kinds {
     ($($kind:ident),+ $(,)?) => {
         pub(crate) fn visit_images<V: SensorVisitor>(

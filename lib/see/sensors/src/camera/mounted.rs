@@ -47,8 +47,8 @@ impl Camera {
         Ok(Self { mount: spec.mount, model, settings: settings.clone() })
     }
 
-    /// What it looks through at a frame. `previous` is where the agent was one frame before (where it is now, when there was no
-    /// frame before).
+    /// What it looks through at a frame. `previous` is where the agent was one frame before (where it is now,
+    /// when there was no frame before).
     #[must_use]
     pub fn view(
         &self,

@@ -1,15 +1,17 @@
 //! Rain and fog in a lidar's beams.
 //!
-//! Light that goes a way `r` and back through air of extinction `a` (per metre) arrives weaker by `exp(-2 a r)` (Beer and
-//! Lambert); an echo's power is its intensity over `r^2`, and the lidar's detector has a floor. So far Goodin, Carruth,
-//! Doude and Hudson, "Predicting the influence of rain on LIDAR in ADAS", Electronics 8 (2019), whose floor is the power of
-//! a surface at the reach; here its reflectance is a setting.
+//! Light that goes a way `r` and back through air of extinction `a` (per metre) arrives weaker by
+//! `exp(-2 a r)` (Beer and Lambert); an echo's power is its intensity over `r^2`, and the lidar's detector
+//! has a floor. So far Goodin, Carruth, Doude and Hudson, "Predicting the influence of rain on LIDAR in
+//! ADAS", Electronics 8 (2019), whose floor is the power of a surface at the reach; here its reflectance is a
+//! setting.
 //!
-//! * Fog sends light back everywhere: Hahner, Sakaridis, Dai and Van Gool, "Fog simulation on real LiDAR point clouds for 3D
-//!   object detection in adverse weather", ICCV 2021, with the pulse and optics stated there.
-//! * Rain is single drops in the beam: Kilic, Hegde, Sindagi, Cooper, Foster and Patel, "Lidar light scattering augmentation
-//!   (LISA)", arXiv:2107.07004 (2021). Drops weaker than the floor are never drawn: those above it are a Poisson process of
-//!   its own, so nothing is lost by that.
+//! * Fog sends light back everywhere: Hahner, Sakaridis, Dai and Van Gool, "Fog simulation on real LiDAR
+//!   point clouds for 3D object detection in adverse weather", ICCV 2021, with the pulse and optics stated
+//!   there.
+//! * Rain is single drops in the beam: Kilic, Hegde, Sindagi, Cooper, Foster and Patel, "Lidar light
+//!   scattering augmentation (LISA)", arXiv:2107.07004 (2021). Drops weaker than the floor are never drawn:
+//!   those above it are a Poisson process of its own, so nothing is lost by that.
 
 use random::unit_f32;
 use schema::tables::Weather;
@@ -77,8 +79,9 @@ impl Air {
         power >= self.floor
     }
 
-    /// The echo of fog in front of the nearest surface (or the end of the beam). Its distance scatters by ten metres times a
-    /// number of the distribution Beta(2, 20), as in the authors' program, by an even random number.
+    /// The echo of fog in front of the nearest surface (or the end of the beam). Its distance scatters by ten
+    /// metres times a number of the distribution Beta(2, 20), as in the authors' program, by an even random
+    /// number.
     pub(super) fn fog_before(&self, nearest_m: f32, even: u32) -> Option<Backscatter> {
         let fog = self.fog?;
         let range_m = fog.range_m + 10.0 * beta_2_20(unit_f32(even));
@@ -86,7 +89,8 @@ impl Air {
         (range_m < nearest_m).then_some(Backscatter { range_m, intensity, power: fog.power })
     }
 
-    /// The brightest drop in front of the nearest surface, if one is bright enough. `words` gives the random words of a number.
+    /// The brightest drop in front of the nearest surface, if one is bright enough. `words` gives the random
+    /// words of a number.
     pub(super) fn drop_before(&self, nearest_m: f32, words: &dyn Fn(u32) -> [u32; 4]) -> Option<Backscatter> {
         self.rain.as_ref()?.brightest_before(nearest_m, words)
     }
@@ -102,8 +106,8 @@ const SURFACE_PER_SR: f64 = 1e-6 / std::f64::consts::PI;
 /// Steps in which the pulse is followed, m.
 const STEP_M: f64 = 0.05;
 
-/// The peak of the echo of open fog, as equations 12 to 15 of Hahner et al. have it, over that of a white surface; distances are
-/// those of the pulse's middle. None without fog.
+/// The peak of the echo of open fog, as equations 12 to 15 of Hahner et al. have it, over that of a white
+/// surface; distances are those of the pulse's middle. None without fog.
 fn fog_echo(fog_per_m: f64, extinction_per_m: f64, reach_m: f64) -> Option<FogEcho> {
     if fog_per_m <= 0.0 {
         return None;
@@ -153,7 +157,8 @@ fn beta_2_20(share: f32) -> f32 {
     0.5 * (low + high)
 }
 
-/// Sizes of raindrops by Marshall and Palmer (1948): `n(D) = 8000 exp(-s D)` a cubic metre and mm, `s = 4.1 R^-0.21` per mm.
+/// Sizes of raindrops by Marshall and Palmer (1948): `n(D) = 8000 exp(-s D)` a cubic metre and mm,
+/// `s = 4.1 R^-0.21` per mm.
 #[derive(Clone, Copy, Debug)]
 struct Drops {
     /// `s`; infinite without rain.
@@ -177,8 +182,8 @@ impl Drops {
         Self { slope_per_mm }
     }
 
-    /// Twice their cross-section (which is what drops much larger than the wave take away), summed over sizes:
-    /// `pi 8000 / s^3` mm^2 a cubic metre.
+    /// Twice their cross-section (which is what drops much larger than the wave take away), summed over
+    /// sizes: `pi 8000 / s^3` mm^2 a cubic metre.
     fn extinction_per_m(&self) -> f64 {
         let s = self.slope_per_mm;
         std::f64::consts::PI * DROPS_PER_M3_MM * 1e-6 / (s * s * s)

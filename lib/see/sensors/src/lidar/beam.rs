@@ -6,17 +6,19 @@ use settings::{BeamSpec, Returned};
 
 use super::air::Air;
 
-/// Surfaces nearer to one another than this along a beam make one echo, metres: half the length of a pulse of 7 ns, and what
-/// makers of lidars ask for between two returns.
+/// Surfaces nearer to one another than this along a beam make one echo, metres: half the length of a pulse of
+/// 7 ns, and what makers of lidars ask for between two returns.
 const APART_M: f32 = 1.0;
 /// Rays of the ring about the axis.
 const RING: usize = 6;
-/// Radius of the ring over that of the beam, at which intensity is `exp(-2)` of the axis': the ring goes through the middle of
-/// the light that is outside of the axis' own seventh, so that all rays stand for equal parts.
+/// Radius of the ring over that of the beam, at which intensity is `exp(-2)` of the axis': the ring goes
+/// through the middle of the light that is outside of the axis' own seventh, so that all rays stand for equal
+/// parts.
 const RING_RADIUS: f32 = 0.583_7;
 
-/// Where the rays of a beam go besides along its axis, radians to the left and upwards. None for a single ray. As in HELIOS++
-/// (Winiwarter et al., "Virtual laser scanning with HELIOS++", Remote Sensing of Environment 269, 2022): rings of rays.
+/// Where the rays of a beam go besides along its axis, radians to the left and upwards. None for a single
+/// ray. As in HELIOS++ (Winiwarter et al., "Virtual laser scanning with HELIOS++", Remote Sensing of
+/// Environment 269, 2022): rings of rays.
 pub(super) fn offsets(beam: &BeamSpec) -> Vec<[f32; 2]> {
     if beam.rays <= 1 {
         return Vec::new();
@@ -86,8 +88,8 @@ pub(super) fn echoes_of(met: &mut [BeamHit], rays: usize, air: Option<&Air>, ech
     }
 }
 
-/// The ray that stands for an echo: of the surface that sends most of its light, the axis, or else the ray that met it nearest
-/// to its mean distance.
+/// The ray that stands for an echo: of the surface that sends most of its light, the axis, or else the ray
+/// that met it nearest to its mean distance.
 fn shown_of(cluster: &[BeamHit]) -> Option<BeamHit> {
     let surface = |met: &BeamHit| (met.id, met.tag, met.is_behind);
     let light_of = |one: &BeamHit| -> f32 {
@@ -107,7 +109,8 @@ fn shown_of(cluster: &[BeamHit]) -> Option<BeamHit> {
     same().copied().min_by(|a, b| (a.range_m - mean_m).abs().total_cmp(&(b.range_m - mean_m).abs()))
 }
 
-/// Adds what the air sends back in front of the nearest surface. `words` gives the beam's random words of a number.
+/// Adds what the air sends back in front of the nearest surface. `words` gives the beam's random words of a
+/// number.
 pub(super) fn add_air(
     air: &Air,
     reach_m: f32,

@@ -23,7 +23,8 @@ use render::panes::PASSES;
 const CROP_AHEAD_M: f32 = 2.44;
 /// See [`CROP_AHEAD_M`].
 const CROP_LEFT_M: f32 = 1.04;
-/// Random words of a beam besides its first four have numbers: from here on of its further returns, and of the air.
+/// Random words of a beam besides its first four have numbers: from here on of its further returns, and of
+/// the air.
 const FURTHER: u32 = 1;
 /// See [`FURTHER`].
 const OF_AIR: u32 = 4;
@@ -49,7 +50,8 @@ pub(super) struct Receiver<'a> {
     pub(super) frame: u32,
 }
 
-/// What a task keeps from beam to beam: memory, and the surface that was met last, which neighbours often meet too.
+/// What a task keeps from beam to beam: memory, and the surface that was met last, which neighbours often
+/// meet too.
 #[derive(Default)]
 struct Scratch {
     face: Option<Face>,
@@ -71,7 +73,8 @@ struct Face {
 }
 
 impl Receiver<'_> {
-    /// The returns of a patch, beam by beam, of what the rays of those beams met that were fired: the kept ones at least.
+    /// The returns of a patch, beam by beam, of what the rays of those beams met that were fired: the kept
+    /// ones at least.
     pub(super) fn receive(
         &self,
         patch: &Patch,
@@ -218,8 +221,8 @@ impl Receiver<'_> {
         })
     }
 
-    /// Where a return of a distance is seen, and its bare intensity `exp(-attenuation d)`; none if it is dropped for weakness (a
-    /// surface's) or of the agent's own body.
+    /// Where a return of a distance is seen, and its bare intensity `exp(-attenuation d)`; none if it is
+    /// dropped for weakness (a surface's) or of the agent's own body.
     #[inline]
     fn place(&self, ray: u32, words: [u32; 4], range_m: f32, is_surface: bool) -> Option<(Vec3, f32)> {
         let spec = self.spec;

@@ -44,7 +44,8 @@ impl<'a> Emitter<'a> {
         1 + self.offsets.len()
     }
 
-    /// Where the rays of some beams of a patch go, of each that along its axis first: unit directions in the snapshot's local frame.
+    /// Where the rays of some beams of a patch go, of each that along its axis first: unit directions in the
+    /// snapshot's local frame.
     pub(super) fn fire(&self, patch: &Patch, beams: &[u32]) -> Vec<Vec3> {
         let mut axes = Vec::with_capacity(patch.order.len());
         for row in patch.rows.clone() {
@@ -82,8 +83,8 @@ impl Drawn {
         Self { words, kept }
     }
 
-    /// Place of each beam of the patch, row by row, among those that were fired (the kept ones and maybe others, in following order);
-    /// [`Drawn::DROPPED`] for those that are not kept.
+    /// Place of each beam of the patch, row by row, among those that were fired (the kept ones and maybe
+    /// others, in following order); [`Drawn::DROPPED`] for those that are not kept.
     pub(super) fn places(&self, fired: &[u32]) -> Vec<u32> {
         let mut places = vec![Self::DROPPED; self.words.len()];
         let mut kept = self.kept.iter().peekable();
@@ -118,8 +119,8 @@ fn draw(
     }
 }
 
-/// Adds unit directions turned into another frame, of unit length again. Lanes of plain arrays, which the compiler turns into
-/// vector instructions.
+/// Adds unit directions turned into another frame, of unit length again. Lanes of plain arrays, which the
+/// compiler turns into vector instructions.
 fn turn(turn: &Affine3A, directions: &[Vec3], turned: &mut Vec<Vec3>) {
     let alone = |direction: &Vec3| turn.transform_vector3(*direction).normalize();
     let (groups, rest) = directions.as_chunks::<LANES>();

@@ -30,8 +30,8 @@ pub struct Lidar {
 impl Lidar {
     /// Works out the beams of a lidar.
     ///
-    /// Channel `i` of `n` is at `upper - i (upper - lower) / (n - 1)`, column `j` of `m` at `fov / 2 - j fov / m`
-    /// to the left.
+    /// Channel `i` of `n` is at `upper - i (upper - lower) / (n - 1)`, column `j` of `m` at
+    /// `fov / 2 - j fov / m` to the left.
     ///
     /// # Errors
     /// The pattern has too many rays.
@@ -71,14 +71,15 @@ impl Lidar {
 
     /// One sweep from where the sensor is.
     ///
-    /// `stream` gives the random drops and the noise: ray `r` of frame `f` reads the words at `f << 32 | r` (further returns and
-    /// weather those at `f << 32 | n << 22 | r`), so that nothing depends on which rays hit or on threads. A ray is dropped with
-    /// [`LidarSpec::dropoff_rate`]; a surface's return whose bare intensity `I = exp(-attenuation d)` is at most
-    /// [`LidarSpec::dropoff_intensity_limit`] is kept with the chance `1 - zero + I zero / limit`. Semantic lidars have neither
-    /// drops nor noise. Returns with `|x| <= 2.44` and `|y| <= 1.04` are left out (the agent's own body).
+    /// `stream` gives the random drops and the noise: ray `r` of frame `f` reads the words at `f << 32 | r`
+    /// (further returns and weather those at `f << 32 | n << 22 | r`), so that nothing depends on which rays
+    /// hit or on threads. A ray is dropped with [`LidarSpec::dropoff_rate`]; a surface's return whose bare
+    /// intensity `I = exp(-attenuation d)` is at most [`LidarSpec::dropoff_intensity_limit`] is kept with the
+    /// chance `1 - zero + I zero / limit`. Semantic lidars have neither drops nor noise. Returns with
+    /// `|x| <= 2.44` and `|y| <= 1.04` are left out (the agent's own body).
     ///
-    /// Of a rolling lidar, columns of a slice are fired at one moment: from where the sensor is then, at instances that are where
-    /// [`render::pose_before`] has them.
+    /// Of a rolling lidar, columns of a slice are fired at one moment: from where the sensor is then, at
+    /// instances that are where [`render::pose_before`] has them.
     ///
     /// # Errors
     /// The renderer failed.
@@ -104,8 +105,8 @@ impl Lidar {
         Ok(joined(&swept.collect::<Result<Vec<_>, SensorError>>()?, self.spec.tells_returns()))
     }
 
-    /// The same, bit for bit, of rays that were followed already: those of all beams, by a lidar that fires the same at the same
-    /// moment.
+    /// The same, bit for bit, of rays that were followed already: those of all beams, by a lidar that fires
+    /// the same at the same moment.
     #[must_use]
     pub fn sweep_of(&self, scan: &Scan, scene: &dyn Scene, at: &LidarMoment, stream: &Stream) -> LidarSweep {
         let air = Air::of(&self.spec, &at.weather);
@@ -146,7 +147,8 @@ impl Lidar {
         }
     }
 
-    /// Follows the rays of all beams: what [`Lidar::sweep_of`] makes sweeps of, of this lidar and of all that fire the same beams.
+    /// Follows the rays of all beams: what [`Lidar::sweep_of`] makes sweeps of, of this lidar and of all that
+    /// fire the same beams.
     ///
     /// # Errors
     /// The renderer failed.
@@ -192,8 +194,8 @@ impl Lidar {
         Ok(followed.map(|((directions, hits), behind)| Followed { directions, hits, behind }).collect())
     }
 
-    /// Of each patch, what those rays met (by their numbers) that passed panes. All are followed at once: between frames to place
-    /// what moves costs more than the rays do.
+    /// Of each patch, what those rays met (by their numbers) that passed panes. All are followed at once:
+    /// between frames to place what moves costs more than the rays do.
     fn behind(
         &self,
         panes: &Panes<'_>,

@@ -18,12 +18,14 @@ pub(super) struct Slice {
     pub(super) patches: Vec<Patch>,
 }
 
-/// Some channels of a slice: what one task fires and receives. Which beams these are does not depend on threads.
+/// Some channels of a slice: what one task fires and receives. Which beams these are does not depend on
+/// threads.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
     pub(super) rows: Range<usize>,
     pub(super) columns: Range<usize>,
-    /// Its beams, which are numbered row by row, in the order in which they are followed: neighbours together.
+    /// Its beams, which are numbered row by row, in the order in which they are followed: neighbours
+    /// together.
     pub(super) order: Vec<u32>,
 }
 

@@ -26,8 +26,8 @@ impl SensorPath {
         }
     }
 
-    /// Sensor frame to local frame at a moment before the frame: 0 at its time, 1 a period ago. The agent moves as
-    /// [`pose_before`] says, and so does its body.
+    /// Sensor frame to local frame at a moment before the frame: 0 at its time, 1 a period ago. The agent
+    /// moves as [`pose_before`] says, and so does its body.
     pub(crate) fn before(&self, before: f32) -> Affine3A {
         if before == 0.0 {
             return self.local_from_sensor;

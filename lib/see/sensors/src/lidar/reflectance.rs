@@ -19,8 +19,9 @@ pub(super) struct Reflectance {
 
 /// Mirrored light is down to a third where `1 - cos` of the angle is this: 8 degrees.
 const MIRRORED_WITHIN: f32 = 0.01;
-/// Less of what dry porous ground sends back when it is soaked: water between the grains scatters light on inwards (Lekner and Dorf,
-/// "Why some things are darker when wet", Applied Optics 27, 1988, have about half).
+/// Less of what dry porous ground sends back when it is soaked: water between the grains scatters light on
+/// inwards (Lekner and Dorf, "Why some things are darker when wet", Applied Optics 27, 1988, have about
+/// half).
 const SOAKED: f32 = 0.5;
 /// Less of what the glass beads of road markings do, which a film of water covers.
 const FLOODED: f32 = 0.7;
@@ -44,11 +45,12 @@ pub(super) fn wetness(weather: &Weather) -> f32 {
 
 /// Of a part of a mesh.
 ///
-/// Round figures of the usual measurements for dry surfaces: asphalt 0.15, concrete 0.35, plants 0.5, dark glass 0.05.
-/// Retro-reflecting sheeting is as bright as can be at any angle that it is read from; markings have beads, too. Cloth and surfaces that
-/// are nothing in particular follow the brightness of their colour; so does car paint, whose dark pigments swallow this light as well,
-/// but for its clear coat, which mirrors. `paint` is the colour of what is painted, `level` whether the surface is
-/// (roofs above it are not looked for), `wetness` how wet such is.
+/// Round figures of the usual measurements for dry surfaces: asphalt 0.15, concrete 0.35, plants 0.5, dark
+/// glass 0.05. Retro-reflecting sheeting is as bright as can be at any angle that it is read from; markings
+/// have beads, too. Cloth and surfaces that are nothing in particular follow the brightness of their colour;
+/// so does car paint, whose dark pigments swallow this light as well, but for its clear coat, which mirrors.
+/// `paint` is the colour of what is painted, `level` whether the surface is (roofs above it are not looked
+/// for), `wetness` how wet such is.
 pub(super) fn reflectance(part: &MeshPart, paint: [f32; 3], level: bool, wetness: f32) -> Reflectance {
     let brightness = |[r, g, b]: [f32; 3]| (0.2126 * r + 0.7152 * g + 0.0722 * b).clamp(0.0, 1.0);
     let returned = if part.surface == Surface::Reflector { 1.0 } else { 0.0 };

@@ -12,8 +12,8 @@ use crate::error::SensorError;
 /// What more rays meet is not kept for other lidars: some 64 MB a frame.
 const MOST_RAYS: u64 = 1 << 21;
 
-/// Lidars of a rig that fire the same beams, whose rays are followed once for all of them: a semantic lidar is mostly the other
-/// one's twin.
+/// Lidars of a rig that fire the same beams, whose rays are followed once for all of them: a semantic lidar
+/// is mostly the other one's twin.
 #[derive(Clone, Debug)]
 pub struct SharedBeams(Vec<Twins>);
 

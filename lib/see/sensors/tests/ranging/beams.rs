@@ -30,8 +30,8 @@ fn beam(returned: Returned) -> LidarSpec {
     }
 }
 
-/// A grey board (object 4) that covers all to the left of the beam's axis and ends a hair before it, and a concrete wall
-/// (object 5) behind it.
+/// A grey board (object 4) that covers all to the left of the beam's axis and ends a hair before it, and a
+/// concrete wall (object 5) behind it.
 fn sweep(board_m: f32, wall_m: f32, returned: Returned) -> LidarSweep {
     let behind = |m: f32, left: f32| at(m + 0.05, left, -20.0, 0.0);
     let instances: Vec<Instance> =
@@ -129,8 +129,8 @@ fn seven_rays_find_what_one_does_and_more() {
     assert_eq!((&narrow.x_m, &narrow.id), (&one.x_m, &one.id));
 }
 
-/// A shell of glass (object 6) from 10 to 14 m ahead, with a seat in it from 11.5 m on unless it stands aside, and a wall (object 5)
-/// 25 m ahead.
+/// A shell of glass (object 6) from 10 to 14 m ahead, with a seat in it from 11.5 m on unless it stands
+/// aside, and a wall (object 5) 25 m ahead.
 fn through_glass(spec: &LidarSpec, seat_left_m: f32) -> LidarSweep {
     through(Surface::Window, spec, seat_left_m)
 }

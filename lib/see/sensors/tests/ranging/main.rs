@@ -206,7 +206,8 @@ fn doppler_is_positive_for_what_recedes() {
 
 #[test]
 fn wheels_turn_for_radars_only_when_asked() {
-    // A car body that stands 20 m ahead with a wheel before it (so that all rays meet the wheel) which turns by 0.2 rad.
+    // A car body that stands 20 m ahead with a wheel before it (so that all rays meet the wheel) which turns
+    // by 0.2 rad.
     let body = instance(0, 5, at(20.0, 0.0, 0.0, 0.0));
     let mut wheel = instance(1, 5, at(18.0, 0.0, 0.0, 0.0));
     wheel.previous_local_from_object = wheel.local_from_object * Affine3A::from_rotation_y(-0.2);
@@ -241,8 +242,8 @@ fn wheels_turn_for_radars_only_when_asked() {
 
 #[test]
 fn cross_sections_of_rays_add_up_to_that_of_the_plate() {
-    // A metal plate of 4 m x 2 m that faces the radar 30 m ahead: (4 r cos + s (n + 1) cos^2n) w d^2 added up over its small angles
-    // by squares of a centimetre, with r = 0.15, s = 0.8, n = 20.
+    // A metal plate of 4 m x 2 m that faces the radar 30 m ahead: (4 r cos + s (n + 1) cos^2n) w d^2 added up
+    // over its small angles by squares of a centimetre, with r = 0.15, s = 0.8, n = 20.
     let snapshot = snapshot(
         vec![block([0.1, 4.0, 2.0], Tag::Truck, Surface::Metal)],
         vec![instance(0, 2, at(30.05, 0.0, -0.4, 0.0))],
@@ -293,8 +294,9 @@ fn the_own_body_is_looked_through() {
 
 #[test]
 fn brightness_is_the_surfaces_reflectance_at_905_nm() {
-    // Walls 10 m ahead, seen straight and at 60 degrees: intensity = exp(-0.004 d) (r (1/4 + 3/4 cos) + what is mirrored straight
-    // back, of which nothing is left at 60 degrees). Sheeting is as bright as can be up to 30 degrees, and at 60 sends back 0.397.
+    // Walls 10 m ahead, seen straight and at 60 degrees: intensity = exp(-0.004 d) (r (1/4 + 3/4 cos) + what
+    // is mirrored straight back, of which nothing is left at 60 degrees). Sheeting is as bright as can be up
+    // to 30 degrees, and at 60 sends back 0.397.
     let dark = [0.0; 3];
     let cases = [
         (Tag::Road, Surface::Asphalt, dark, 0.15, 0.0),

@@ -39,7 +39,8 @@ fn sweep(wall: Instance, spec: &LidarSpec, path: SensorPath) -> LidarSweep {
     Lidar::new(spec).expect("is small").sweep(scene, &moment, &stream()).expect("has no device")
 }
 
-/// Expects a return of every column, at a point of its azimuth and of the share of a period that is left when its slice is fired.
+/// Expects a return of every column, at a point of its azimuth and of the share of a period that is left when
+/// its slice is fired.
 fn expect(sweep: &LidarSweep, slices: u32, wanted: impl Fn(f64, f64) -> [f64; 2]) {
     assert_eq!(sweep.len(), COLUMNS as usize);
     let in_slice = COLUMNS / slices;

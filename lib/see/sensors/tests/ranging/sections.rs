@@ -11,7 +11,8 @@ use settings::{RadarSpec, Rig};
 use super::common::{at, instance, prepared, snapshot};
 use super::radar;
 
-/// All returns of a model together, dBsm: from 25 m off and 0.6 m up, over angles 5 degrees to either side of a view.
+/// All returns of a model together, dBsm: from 25 m off and 0.6 m up, over angles 5 degrees to either side of
+/// a view.
 fn section_dbsm(model: &str, size_m: [f64; 3], view_deg: f32) -> f64 {
     let made = actor_mesh(model, size_m, 3).expect("there is such a model");
     let posture = made.posed(Posture::default());

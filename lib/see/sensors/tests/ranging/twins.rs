@@ -1,4 +1,5 @@
-//! Lidars that fire the same beams: what they make of rays that were followed once for all is what each makes of its own.
+//! Lidars that fire the same beams: what they make of rays that were followed once for all is what each makes
+//! of its own.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -100,7 +100,8 @@ fn what_is_weaker_than_the_floor_is_lost() {
     assert_eq!((clear(119.9), clear(120.5)), (1, 0));
 }
 
-/// Power of the echo of fog at a distance of the pulse's middle, over that of a white surface: Hahner et al., with Simpson's rule.
+/// Power of the echo of fog at a distance of the pulse's middle, over that of a white surface: Hahner et al.,
+/// with Simpson's rule.
 fn fog_power(extinction: f64, middle_m: f64) -> f64 {
     let (c, half_s) = (299_792_458.0, 20e-9);
     let backscatter = 0.046 / (ln(20.0) / extinction);
@@ -148,7 +149,8 @@ fn dense_fog_sends_light_back_where_its_echo_peaks() {
     assert_eq!(kinds(&sweep, ReturnKind::Fog), sweep.len());
     assert!(sweep.id.iter().all(|&id| id == 0) && sweep.tag.iter().all(|&tag| tag == 0));
     assert!(sweep.cos_angle.iter().all(|&cos| cos == 0.0));
-    // Ten metres times Beta(2, 20): its distribution at some distances beyond the crop, 1 - (1 - x)^20 (1 + 20 x).
+    // Ten metres times Beta(2, 20): its distribution at some distances beyond the crop, 1 - (1 - x)^20 (1 +
+    // 20 x).
     for beyond_m in [3.2, 3.6, 4.5] {
         let x = (beyond_m - peak_m) / 10.0;
         let want = if x <= 0.0 { 1.0 } else { pow(1.0 - x, 20.0) * (1.0 + 20.0 * x) };
@@ -162,7 +164,8 @@ fn dense_fog_sends_light_back_where_its_echo_peaks() {
     assert_eq!(self::sweep(&one_beam(), Some(20.0), fog(100.0)).id, [6]);
 }
 
-/// Drops in a beam up to a distance that are at least of a power: LISA's cone and drop sizes by Marshall and Palmer.
+/// Drops in a beam up to a distance that are at least of a power: LISA's cone and drop sizes by Marshall and
+/// Palmer.
 fn drops(mmph: f64, power: f64, to_m: f64) -> f64 {
     let slope = 4.1 * pow(mmph, -0.21);
     let extinction = rain_extinction(mmph);

@@ -1,9 +1,9 @@
 //! Sunlight scattered once by air: colours of the clear sky by day and at dusk.
 //!
 //! Rayleigh and Mie scattering with ozone absorption, constants as in Bruneton and Neyret, "Precomputed
-//! atmospheric scattering" (2008) and Hillaire (2020). Light scattered more than once is left out but for a share
-//! of what reaches air from the sun, and of what the sky as a whole sends when the sun is down: that is what makes the upper
-//! sky of twilight blue, with the ozone.
+//! atmospheric scattering" (2008) and Hillaire (2020). Light scattered more than once is left out but for a
+//! share of what reaches air from the sun, and of what the sky as a whole sends when the sun is down: that is
+//! what makes the upper sky of twilight blue, with the ozone.
 
 use glam::Vec3;
 
@@ -16,8 +16,8 @@ const MIE_HEIGHT_M: f32 = 1200.0;
 const RAYLEIGH_PER_M: Vec3 = Vec3::new(5.8e-6, 13.5e-6, 33.1e-6);
 const MIE_PER_M: f32 = 4.0e-6;
 const MIE_ABSORBED: f32 = 1.11;
-/// Cross-sections of some 4.6, 3.2 and 0.5e-25 m2 at the wavelengths of sRGB's primaries (615, 545 and 465 nm; Chappuis' bands), and
-/// 5e18 molecules per m3 where there are most.
+/// Cross-sections of some 4.6, 3.2 and 0.5e-25 m2 at the wavelengths of sRGB's primaries (615, 545 and 465
+/// nm; Chappuis' bands), and 5e18 molecules per m3 where there are most.
 const OZONE_PER_M: Vec3 = Vec3::new(2.3e-6, 1.6e-6, 0.25e-6);
 /// How much Mie scattering prefers its direction.
 const MIE_FORWARD: f32 = 0.76;
@@ -70,7 +70,8 @@ impl Atmosphere {
             + OZONE_PER_M * ozone
     }
 
-    /// Share of sunlight that reaches a place: the sun is in the plane of x and up (z), the planet's middle at the origin.
+    /// Share of sunlight that reaches a place: the sun is in the plane of x and up (z), the planet's middle
+    /// at the origin.
     fn sunlight(&self, [x, y, z]: [f32; 3]) -> Vec3 {
         // In f64: the planet's radius squared loses kilometres in f32.
         let along = f64::from(x) * f64::from(self.sun_flat) + f64::from(z) * f64::from(self.sun_up);
@@ -83,7 +84,8 @@ impl Atmosphere {
         }
         let top = f64::from(TOP_M) * f64::from(TOP_M);
         let length = (-along + (top - closest2).max(0.0).sqrt()) as f32;
-        // The air is thickest near the start; for a sun below the horizon where its light comes closest to the ground.
+        // The air is thickest near the start; for a sun below the horizon where its light comes closest to
+        // the ground.
         let thickest = (-along).max(0.0) as f32;
         let mut depth = Vec3::ZERO;
         for end_m in [0.0, length] {
@@ -106,7 +108,8 @@ impl Atmosphere {
         passes(depth)
     }
 
-    /// Illuminance of a surface on the ground that faces the sun, kilolux: as much of it as of its disc is up.
+    /// Illuminance of a surface on the ground that faces the sun, kilolux: as much of it as of its disc is
+    /// up.
     pub(super) fn sun_klx(&self) -> Vec3 {
         let horizon = -HORIZON_RAD;
         let up = ((self.sun_up - horizon) / (2.0 * SUN_RADIUS_RAD) + 0.5).clamp(0.0, 1.0);
@@ -118,8 +121,8 @@ impl Atmosphere {
         seen.sunlight([0.0, 0.0, GROUND_M + EYE_M]) * (up * SUN_KLX)
     }
 
-    /// Radiance from a direction: `up` is the sine of its altitude (not negative), `side` the cosine of the angle
-    /// between its azimuth and the sun's.
+    /// Radiance from a direction: `up` is the sine of its altitude (not negative), `side` the cosine of the
+    /// angle between its azimuth and the sun's.
     pub(super) fn radiance(&self, up: f32, side: f32) -> Vec3 {
         let flat = (1.0 - up * up).max(0.0).sqrt();
         // Sun in the x-z plane; the view may leave it along y.
@@ -161,8 +164,8 @@ impl Atmosphere {
         sum * SUN_KLX
     }
 
-    /// How much of what the whole sky sends is sent again from a direction with the sine `up` of an altitude: a share of the sky's mean
-    /// radiance.
+    /// How much of what the whole sky sends is sent again from a direction with the sine `up` of an altitude:
+    /// a share of the sky's mean radiance.
     pub(super) fn again(&self, up: f32) -> Vec3 {
         let (ground, top) = (f64::from(GROUND_M + EYE_M), f64::from(TOP_M));
         let b = ground * f64::from(up);

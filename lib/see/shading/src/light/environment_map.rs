@@ -1,7 +1,7 @@
 //! What stands around a place, as glossy things near it mirror it.
 //!
-//! Four coarse pictures to the sides of the world, from a little above the place. Whatever mirrors near by is shown what the place
-//! sees in that direction: distances are left out of account.
+//! Four coarse pictures to the sides of the world, from a little above the place. Whatever mirrors near by is
+//! shown what the place sees in that direction: distances are left out of account.
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use render::{
@@ -167,7 +167,8 @@ impl LitSurroundings<'_> {
     }
 }
 
-/// What the cameras see, by a ray for each pixel: so few of them cost less than the triangles of all that is around.
+/// What the cameras see, by a ray for each pixel: so few of them cost less than the triangles of all that is
+/// around.
 fn looked(scene: &dyn Scene, cameras: &[PinholeCamera]) -> Result<Vec<VisibilityBuffer>, RenderError> {
     let pixels = in_blocks();
     let seen_from = |camera: &PinholeCamera| -> Vec<Vec3> {
@@ -278,7 +279,8 @@ mod tests {
         let seen = |way: Vec3| {
             light.environment_map.before(&Vec3x8::splat(sky), &Vec3x8::splat(way.normalize())).lane(3)
         };
-        // The wall's upper edge is 10 m over the place that looks: a slope of 0.5, and it ends at 45 degrees to both sides.
+        // The wall's upper edge is 10 m over the place that looks: a slope of 0.5, and it ends at 45 degrees
+        // to both sides.
         for way in [Vec3::X, Vec3::new(1.0, 0.6, 0.3), Vec3::new(1.0, -0.9, 0.4), Vec3::new(1.0, 0.9, -0.2)] {
             let got = seen(way);
             assert!(

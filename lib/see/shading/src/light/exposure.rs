@@ -1,4 +1,5 @@
-//! How a film is exposed, and what white is on it: by a rule on the light around an agent, never by the picture itself.
+//! How a film is exposed, and what white is on it: by a rule on the light around an agent, never by the
+//! picture itself.
 
 use frames::math::f32::pow;
 use glam::Vec3;
@@ -7,7 +8,8 @@ use super::math::luminance;
 
 /// Light that film is made for where neither sky nor lamps give any, kilolux.
 const DARK_KLX: f32 = 0.002;
-/// Daylight, and what a lit street has at most, kilolux: by which power of the light things are darker on film below each.
+/// Daylight, and what a lit street has at most, kilolux: by which power of the light things are darker on
+/// film below each.
 const DARKENS: [(f32, f32); 2] = [(100.0, 0.04), (0.1, 0.2)];
 /// Electrons in a full pixel, as chips of 3 micrometres have.
 const FULL_WELL: f32 = 9000.0;
@@ -28,8 +30,8 @@ pub(crate) struct Exposure {
 }
 
 impl Exposure {
-    /// For things in the sky's light (the sun's on what stands upright included) and in that of lamps, kilolux. A grey of 18 % in it comes
-    /// out as middle grey; the dark stays a little darker than the day.
+    /// For things in the sky's light (the sun's on what stands upright included) and in that of lamps,
+    /// kilolux. A grey of 18 % in it comes out as middle grey; the dark stays a little darker than the day.
     pub(super) fn new(sky_klx: Vec3, lamps_klx: Vec3) -> Self {
         let illuminant = sky_klx + lamps_klx;
         let adapted = luminance(illuminant) + DARK_KLX;
@@ -43,13 +45,14 @@ impl Exposure {
         self.per_radiance * (opening * opening) as f32
     }
 
-    /// Electrons that a pixel of film value 1 gathers: all that it has room for by day; in little light, what a long exposure gives.
+    /// Electrons that a pixel of film value 1 gathers: all that it has room for by day; in little light, what
+    /// a long exposure gives.
     pub(crate) fn electrons(&self) -> u32 {
         (FULL_WELL * FULL_WELL_EXPOSURE / self.per_radiance).clamp(LEAST_ELECTRONS, FULL_WELL) as u32
     }
 
-    /// What red, green and blue are multiplied by: at strength 1 a white thing is white, at 0 it has the light's own colour. Its
-    /// luminance stays.
+    /// What red, green and blue are multiplied by: at strength 1 a white thing is white, at 0 it has the
+    /// light's own colour. Its luminance stays.
     pub(crate) fn balance(&self, strength: f64) -> Vec3 {
         let level = luminance(self.illuminant);
         if level <= 0.0 {

@@ -11,21 +11,22 @@ const FALLOFF_PER_M: f32 = 0.04;
 /// Distance at which the sky is seen through fog, metres.
 const SKY_M: f32 = 4000.0;
 
-/// Extinction of fog at the ground, per metre, by its density (0 to 1): `d (0.02 + 0.03 d)`. That is a visibility
-/// (3.9 / extinction, Koschmieder) of 1.7 km at 10 %, 220 m at 50 %, 78 m at 100 %.
+/// Extinction of fog at the ground, per metre, by its density (0 to 1): `d (0.02 + 0.03 d)`. That is a
+/// visibility (3.9 / extinction, Koschmieder) of 1.7 km at 10 %, 220 m at 50 %, 78 m at 100 %.
 pub fn fog_extinction_per_m(density: f32) -> f32 {
     density * (0.02 + 0.03 * density)
 }
 
 /// Fog is no thicker than this, metres, however slowly it thins.
 const THICKEST_M: f32 = 300.0;
-/// Droplets scatter so much ahead (the mean cosine), that half of what they take from sunlight still throws shadows.
+/// Droplets scatter so much ahead (the mean cosine), that half of what they take from sunlight still throws
+/// shadows.
 const AHEAD: f32 = 0.85;
 const BLURRED: f32 = 0.5;
 
-/// What a weather's fog makes of light that comes from high above with the sine `up` of an altitude: the share that still comes from
-/// there, and the share that comes from all over the sky instead. Two-stream approximation of a layer that absorbs nothing: of all
-/// light `1 / (1 + 0.75 (1 - g) tau)` passes.
+/// What a weather's fog makes of light that comes from high above with the sine `up` of an altitude: the
+/// share that still comes from there, and the share that comes from all over the sky instead. Two-stream
+/// approximation of a layer that absorbs nothing: of all light `1 / (1 + 0.75 (1 - g) tau)` passes.
 pub(super) fn through(weather: &Weather, up: f32) -> [f32; 2] {
     let density = (weather.fog_density / 100.0).clamp(0.0, 1.0) as f32;
     let per_height = FALLOFF_PER_M * weather.fog_falloff.clamp(0.0, 5.0) as f32;
@@ -48,7 +49,8 @@ pub(crate) struct Fog {
 }
 
 impl Fog {
-    /// The fog of a weather under a sky of this radiance at the horizon; `ground_z` is the height (local) from which it thins.
+    /// The fog of a weather under a sky of this radiance at the horizon; `ground_z` is the height (local)
+    /// from which it thins.
     pub(crate) fn new(weather: &Weather, horizon: Vec3, ground_z: f32) -> Self {
         let share = |percent: f64| (percent / 100.0).clamp(0.0, 1.0) as f32;
         let density = share(weather.fog_density);

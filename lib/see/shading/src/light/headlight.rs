@@ -11,10 +11,12 @@ fn lobe(across: F32x8, over: F32x8) -> F32x8 {
     fall * fall
 }
 
-/// Intensity of one headlight, kilocandela, by cosines of the angles between a direction and ahead, left and up.
+/// Intensity of one headlight, kilocandela, by cosines of the angles between a direction and ahead, left and
+/// up.
 ///
-/// As UN Regulation 112 draws passing beams for right-hand traffic: below a cut-off 0.6 degrees under the horizon that rises by
-/// 15 degrees on the right, brightest close under it, little above. Driving beams have their middle on the horizon.
+/// As UN Regulation 112 draws passing beams for right-hand traffic: below a cut-off 0.6 degrees under the
+/// horizon that rises by 15 degrees on the right, brightest close under it, little above. Driving beams have
+/// their middle on the horizon.
 #[inline]
 pub(super) fn intensity(is_high: bool, [ahead, left, up]: [F32x8; 3]) -> F32x8 {
     let forward = ahead.fast_max(F32x8::splat(0.05));
@@ -34,7 +36,8 @@ pub(super) fn intensity(is_high: bool, [ahead, left, up]: [F32x8; 3]) -> F32x8 {
     (near + wide) * below * is_ahead + skirt
 }
 
-/// More than one headlight gives anything so far off its axis in plan, kilocandela: cosine of the least angle there.
+/// More than one headlight gives anything so far off its axis in plan, kilocandela: cosine of the least angle
+/// there.
 pub(super) fn most_kcd(is_high: bool, cos: f32) -> f32 {
     // Beyond the lobes' edges there is their skirt, which ends with the cosine.
     match cos {

@@ -17,7 +17,8 @@ const THICK_SHARE: f32 = 0.02;
 /// They are looked at from so far before them, texels, where light grazes them.
 const OFF: f32 = 1.25;
 
-/// How a lamp looks at the world: columns, rows, field of view across, and how far. Beyond it nothing casts a shadow.
+/// How a lamp looks at the world: columns, rows, field of view across, and how far. Beyond it nothing casts a
+/// shadow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LampView {
     columns: u32,
@@ -62,7 +63,8 @@ impl LampDepths {
             far_m: view.reach_m,
             ..PinholeCamera::centred(local_from_optical, view.columns, view.rows, view.fov_rad)
         };
-        // Houses and vehicles have their origins within them. Light only grazes the ground, which would shade itself.
+        // Houses and vehicles have their origins within them. Light only grazes the ground, which would shade
+        // itself.
         let snapshot = scene.snapshot();
         let is_near = |i: &Instance| {
             i.object != own
@@ -75,13 +77,14 @@ impl LampDepths {
         Ok(Self { camera, optical_from_local: local_from_optical.inverse(), depth_m })
     }
 
-    /// Share of the light that reaches places of surfaces that look along the normals: 1, or 0 behind what is in the way; of the four
-    /// texels around each.
+    /// Share of the light that reaches places of surfaces that look along the normals: 1, or 0 behind what is
+    /// in the way; of the four texels around each.
     #[inline]
     pub(super) fn reaches(&self, positions: &Vec3x8, normals: &Vec3x8) -> F32x8 {
         let turn = glam::Mat3::from(self.optical_from_local.matrix3);
         let q = positions.turned(&turn) + Vec3x8::splat(self.optical_from_local.translation.into());
-        // From before the surface, the more the beam runs along it: its depth changes much from texel to texel, and it would shade itself.
+        // From before the surface, the more the beam runs along it: its depth changes much from texel to
+        // texel, and it would shade itself.
         let n = normals.turned(&turn);
         let facing = q.dot(n);
         let along =

@@ -15,7 +15,8 @@ use super::math::luminance;
 use super::{headlight, street};
 use crate::retro;
 
-/// Areas around an agent in which lamps give light, by the width of their cells, metres: a fine one near by, a coarse one around it.
+/// Areas around an agent in which lamps give light, by the width of their cells, metres: a fine one near by,
+/// a coarse one around it.
 const CELLS_M: [f32; 2] = [8.0, 32.0];
 /// Cells a side of each.
 const CELLS: usize = 24;
@@ -33,10 +34,12 @@ const REACH_M: f32 = if headlight::REACH_M > street::REACH_M { headlight::REACH_
 /// Film is not made for brighter spots than this, kilolux.
 const SPOT_KLX: f32 = 0.05;
 
-/// A floodlight's flux over its shape, the cosine squared: candela ahead by lumen. It looks ahead and somewhat down.
+/// A floodlight's flux over its shape, the cosine squared: candela ahead by lumen. It looks ahead and
+/// somewhat down.
 const FLOOD_CD_PER_LM: f32 = 3.0 / std::f32::consts::TAU;
 const FLOOD_AIM: [f32; 2] = [0.955, 0.297];
-/// So many vehicles around an agent have headlights that things stand in the way of, and so many street lamps are like that.
+/// So many vehicles around an agent have headlights that things stand in the way of, and so many street lamps
+/// are like that.
 const MOST_SHADED: usize = 8;
 
 /// How a lamp spreads its light.
@@ -69,7 +72,8 @@ struct Lamp {
     direction: Vec3,
     up: Vec3,
     beam: Beam,
-    /// Of headlights their colour, the greatest component 1; of others kilocandela (kilolux at a metre) where their beam's shape is 1.
+    /// Of headlights their colour, the greatest component 1; of others kilocandela (kilolux at a metre) where
+    /// their beam's shape is 1.
     rgb: Vec3,
     radius_m: f32,
     /// What stands in the way of its light.
@@ -151,7 +155,8 @@ impl Lamps {
         self.sum(positions, normals, None)
     }
 
-    /// The same of retro-reflecting sheeting: what a white surface would have to get to be as bright for an eye.
+    /// The same of retro-reflecting sheeting: what a white surface would have to get to be as bright for an
+    /// eye.
     pub(crate) fn returned(&self, positions: &Vec3x8, normals: &Vec3x8, eye: Vec3) -> Vec3x8 {
         self.sum(positions, normals, Some(eye))
     }
@@ -235,7 +240,8 @@ impl Lamp {
         }
         let to = (middle - self.position).truncate();
         let away = to.length();
-        // Half the angle that the cell fills, which what is in it is nearer to the axis than its middle at most.
+        // Half the angle that the cell fills, which what is in it is nearer to the axis than its middle at
+        // most.
         let sin = reach_m / away;
         let ahead = self.direction.truncate();
         let cos_middle = to.dot(ahead.normalize_or_zero()) / away;
@@ -343,8 +349,8 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
     lamps
 }
 
-/// Finds what stands in the way of the light of the street lamps, of the floodlights, and of the headlights of the vehicles,
-/// nearest to a place; those farther away shine through things.
+/// Finds what stands in the way of the light of the street lamps, of the floodlights, and of the headlights
+/// of the vehicles, nearest to a place; those farther away shine through things.
 fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), RenderError> {
     let kinds = [
         (&[Beam::Low, Beam::High][..], LampView::HEADLIGHT),
@@ -386,7 +392,8 @@ fn warm(rgb: Vec3) -> Vec3 {
     rgb / rgb.max_element().max(1e-3)
 }
 
-/// The lamp parts of a mesh. Separate lamps of one part count as one between them; headlights left and right are two.
+/// The lamp parts of a mesh. Separate lamps of one part count as one between them; headlights left and right
+/// are two.
 fn fittings_of(mesh: &TriMesh) -> Vec<Fitting> {
     let mut sums: BTreeMap<(u8, bool), (Vec3, f32)> = BTreeMap::new();
     for (triangle, &part) in mesh.triangle_part.iter().enumerate() {

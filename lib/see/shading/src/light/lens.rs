@@ -4,8 +4,8 @@ use frames::LocalOrigin;
 use glam::{Affine3A, DVec3, Mat3A, Vec3, Vec3A};
 use render::{CameraQuery, Outputs, PinholeCamera, RenderError, Scene, Stipple};
 
-/// Distance of the stand-in for the sun, metres: far enough that its rays are within a degree of parallel, near
-/// enough that depths keep a millimetre in `f32`.
+/// Distance of the stand-in for the sun, metres: far enough that its rays are within a degree of parallel,
+/// near enough that depths keep a millimetre in `f32`.
 const LIGHT_M: f32 = 10_000.0;
 /// Heights around the place that cast and receive shadows, metres.
 const REACH_M: f32 = 900.0;
@@ -14,10 +14,12 @@ pub(super) const BLOCK: usize = 8;
 /// Places of lenses along the light are this far apart, metres.
 const STEP_M: f64 = 64.0;
 
-/// Light passes half of the panes, as about half passes two panes of 70 % each: the soft edges of shadows make grey of the pattern.
+/// Light passes half of the panes, as about half passes two panes of 70 % each: the soft edges of shadows
+/// make grey of the pattern.
 const HALF_OF_PANES: Stipple = Stipple::new([[false, true], [true, false]]);
 
-/// Depths of what a camera sees of a scene, of all instances or of some; panes of vehicles are opaque where a pattern says so.
+/// Depths of what a camera sees of a scene, of all instances or of some; panes of vehicles are opaque where a
+/// pattern says so.
 ///
 /// # Errors
 /// The renderer failed.
@@ -45,8 +47,8 @@ pub(super) struct Size {
     through_panes: bool,
 }
 
-/// Fine near by, coarse far away. A light's direction is rounded so that shadows of what is ten metres high move by less than
-/// half of a map's soft edge.
+/// Fine near by, coarse far away. A light's direction is rounded so that shadows of what is ten metres high
+/// move by less than half of a map's soft edge.
 pub(super) const MAPS: [Size; 3] = [
     Size { half_m: 12.0, side: 768, cell: 256, steps: 256.0, through_panes: true },
     Size { half_m: 45.0, side: 1024, cell: 384, steps: 256.0, through_panes: true },
@@ -77,7 +79,8 @@ impl Size {
     }
 }
 
-/// Where a lens is. All that it sees of what stands still follows from this: not from the agent that it looks for, nor the frame.
+/// Where a lens is. All that it sees of what stands still follows from this: not from the agent that it looks
+/// for, nor the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct LensKey {
     /// Bits of the direction to the light.

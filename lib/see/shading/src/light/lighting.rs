@@ -25,7 +25,8 @@ pub struct FrameWeather {
     pub time_s: f64,
     /// The weather then.
     pub weather: Weather,
-    /// Whether the sun stands nearly still from frame to frame, so that what it sees of things that stand still may be kept.
+    /// Whether the sun stands nearly still from frame to frame, so that what it sees of things that stand
+    /// still may be kept.
     pub is_steady: bool,
 }
 
@@ -53,8 +54,8 @@ pub struct Lighting {
 }
 
 impl Lighting {
-    /// Works out the light around a place in a scene (in the snapshot's local frame): shadow maps from the sun or moon
-    /// and from above, and the lamps that burn near by.
+    /// Works out the light around a place in a scene (in the snapshot's local frame): shadow maps from the
+    /// sun or moon and from above, and the lamps that burn near by.
     ///
     /// # Errors
     /// The renderer failed.

@@ -9,8 +9,8 @@ use super::lens::{BLOCK, Lens, Window};
 
 /// How far around a block its readers reach, texels.
 pub(super) const AROUND: usize = 3;
-/// Where nothing around is higher than this above a place, all of it is lit; where everything is higher than the
-/// other, none is. Metres.
+/// Where nothing around is higher than this above a place, all of it is lit; where everything is higher than
+/// the other, none is. Metres.
 const LEVEL_M: f32 = 0.06;
 const COVER_M: f32 = 0.5;
 /// The last map's shadows fade over this share of its width.
@@ -40,14 +40,14 @@ pub(super) struct Map {
     pub(super) side: usize,
     pub(super) texel_m: f32,
     pub(super) depth_m: Vec<f32>,
-    /// Least and greatest height of what the light sees in and around each block: most of the ground is wholly lit
-    /// or wholly in shadow, and one look here tells.
+    /// Least and greatest height of what the light sees in and around each block: most of the ground is
+    /// wholly lit or wholly in shadow, and one look here tells.
     blocks: Vec<[f32; 2]>,
 }
 
 impl Map {
-    /// The map of a window of a lens, in the local frame of its camera: what stands still as `still` has it, if there is such,
-    /// and what else the light sees through the camera.
+    /// The map of a window of a lens, in the local frame of its camera: what stands still as `still` has it,
+    /// if there is such, and what else the light sees through the camera.
     pub(super) fn new(
         lens: &Lens,
         window: Window,
@@ -209,8 +209,9 @@ impl Map {
         ([found.map(|b| b[0]).into(), found.map(|b| b[1]).into()], index)
     }
 
-    /// Shares of the texels around that see the places, each weighted by its overlap with a square two texels wide:
-    /// edges of shadows are soft, as wide as three texels. `height` is that of the places; those not `wanted` get anything.
+    /// Shares of the texels around that see the places, each weighted by its overlap with a square two texels
+    /// wide: edges of shadows are soft, as wide as three texels. `height` is that of the places; those not
+    /// `wanted` get anything.
     #[inline]
     pub(super) fn lit(&self, wanted: F32x8, q: &Vec3x8, height: F32x8, bias_m: f32) -> Lit {
         // Somewhere on the map, where it does not matter.

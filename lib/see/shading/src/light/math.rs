@@ -1,4 +1,5 @@
-//! Small functions of the inner loops, in plain arithmetic so that they vectorise and give the same bits anywhere.
+//! Small functions of the inner loops, in plain arithmetic so that they vectorise and give the same bits
+//! anywhere.
 
 use glam::Vec3;
 

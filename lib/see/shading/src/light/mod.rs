@@ -1,7 +1,7 @@
 //! The light of a frame: sky, sun or moon with shadows, lamps, fog, and how the film is exposed.
 //!
-//! Light is in kilolux (illuminance) and kilocandela per square metre (radiance, as the eye weighs it), linear
-//! sRGB.
+//! Light is in kilolux (illuminance) and kilocandela per square metre (radiance, as the eye weighs it),
+//! linear sRGB.
 
 mod atmosphere;
 mod corner_gradient;

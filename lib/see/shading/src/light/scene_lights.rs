@@ -13,8 +13,9 @@ use super::still::{StillMaps, StillWorld};
 /// Skies kept at most: 3 MiB each.
 const MOST_SKIES: usize = 48;
 
-/// Owns the light of one scene's frames: skies belong to a frame, shadow maps and lamps to a place at a frame, but maps of what
-/// stands still to a place and a direction of the light. Agents ask for what they stand in.
+/// Owns the light of one scene's frames: skies belong to a frame, shadow maps and lamps to a place at a
+/// frame, but maps of what stands still to a place and a direction of the light. Agents ask for what they
+/// stand in.
 #[derive(Debug, Default)]
 pub(crate) struct SceneLights<'a> {
     still: Option<StillMaps<'a>>,
@@ -40,8 +41,8 @@ impl<'a> SceneLights<'a> {
         Lighting::over(scene, self.still.as_ref(), self.sky(when), when, centre_local)
     }
 
-    /// The sky of a frame. Of a long scene the first frames' are kept: agents come by one after the other, each from
-    /// the first frame to the last.
+    /// The sky of a frame. Of a long scene the first frames' are kept: agents come by one after the other,
+    /// each from the first frame to the last.
     fn sky(&self, when: &FrameWeather) -> Arc<Sky> {
         let known = self.skies.lock().ok().and_then(|skies| skies.get(&when.frame).cloned());
         known.unwrap_or_else(|| {

@@ -1,7 +1,7 @@
 //! Shadows of the sun or moon, and the shade under things, from maps of what the light sees.
 //!
-//! A light far away sees the same triangles as the cameras, through the same renderer with a very long lens. A place is in
-//! shadow when the light saw something nearer there.
+//! A light far away sees the same triangles as the cameras, through the same renderer with a very long lens.
+//! A place is in shadow when the light saw something nearer there.
 
 use std::sync::Arc;
 
@@ -17,9 +17,9 @@ use super::still::StillMaps;
 /// Lowest light that casts shadows: the sine of 2 degrees.
 const LOWEST_UP: f32 = 0.035;
 
-/// Nobody asks a map what a finer one tells. What lies wholly within a finer map is left out of it, if it lies at least so
-/// far from that map's edge (beside what readers reach around), metres: directions of two maps differ by 0.014, and shadows of
-/// what is 5 m high, and nothing that moves is higher, are 143 m long.
+/// Nobody asks a map what a finer one tells. What lies wholly within a finer map is left out of it, if it
+/// lies at least so far from that map's edge (beside what readers reach around), metres: directions of two
+/// maps differ by 0.014, and shadows of what is 5 m high, and nothing that moves is higher, are 143 m long.
 const ASLANT_M: f32 = 2.0;
 
 /// A light that casts shadows.
@@ -30,8 +30,8 @@ pub(crate) struct Caster {
     pub(crate) is_steady: bool,
 }
 
-/// Looks from the light (when there is one whose shadows are wanted) and from above at a place: at what moves, where there are
-/// maps of what stands still, at all things elsewhere.
+/// Looks from the light (when there is one whose shadows are wanted) and from above at a place: at what
+/// moves, where there are maps of what stands still, at all things elsewhere.
 ///
 /// # Errors
 /// The renderer failed.
@@ -143,7 +143,8 @@ impl Shadows {
     }
 }
 
-/// How much of the sky is hidden by what is straight above and close: the shade under cars, trees and bridges.
+/// How much of the sky is hidden by what is straight above and close: the shade under cars, trees and
+/// bridges.
 #[derive(Clone, Debug)]
 pub(crate) struct SkyOcclusionMap {
     map: Map,
@@ -191,8 +192,8 @@ const SPREAD_M: f32 = 0.4;
 /// What is nearer above is the surface itself.
 const LEAST_ABOVE_M: f32 = 0.25;
 
-/// How much of the sky something so far above hides: a roof close above nearly everything; a bridge lets light in from the
-/// sides.
+/// How much of the sky something so far above hides: a roof close above nearly everything; a bridge lets
+/// light in from the sides.
 #[inline]
 fn hides(above_m: F32x8) -> F32x8 {
     above_m.simd_gt(LEAST_ABOVE_M).select(1.0 / (above_m * 0.12 + 1.0), F32x8::ZERO)

@@ -132,7 +132,8 @@ impl Sky {
 
     /// Works out what the sky gives surfaces.
     fn add_up(&mut self) {
-        // Radiance of the upper half weighed by each component of its direction (first-order spherical harmonics).
+        // Radiance of the upper half weighed by each component of its direction (first-order spherical
+        // harmonics).
         let mut linear = [Vec3::ZERO; 3];
         let mut weights = 0.0;
         let mut ring = (Vec3::ZERO, 0.0f32);

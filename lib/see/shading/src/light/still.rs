@@ -18,8 +18,8 @@ const MOST_WALLS: usize = 24;
 
 /// What never moves in a scene.
 pub trait StillWorld: Send + Sync {
-    /// What stands still within a distance of a place: as far as a scene's snapshots reach around an agent, less `nearer_m`. The
-    /// answer follows from the place alone.
+    /// What stands still within a distance of a place: as far as a scene's snapshots reach around an agent,
+    /// less `nearer_m`. The answer follows from the place alone.
     fn around(&self, centre_world_m: [f64; 3], nearer_m: f64) -> Snapshot;
 
     /// Whether an object of a snapshot may move.
@@ -71,8 +71,9 @@ impl<'a> StillMaps<'a> {
 
     /// The maps of some lenses, in their order.
     ///
-    /// Which thread makes a map changes nothing in it. Threads that want the same maps at once share the work: each makes
-    /// what none has begun, and only then what another has not finished (to wait for it could wait for oneself).
+    /// Which thread makes a map changes nothing in it. Threads that want the same maps at once share the
+    /// work: each makes what none has begun, and only then what another has not finished (to wait for it
+    /// could wait for oneself).
     ///
     /// # Errors
     /// The renderer failed.

@@ -4,7 +4,8 @@ use simd::{F32x8, smoothstep};
 
 /// Their light is followed so far, metres.
 pub(super) const REACH_M: f32 = 40.0;
-/// Cosines of the angles from straight down between which they are cut off: 65 to 80 degrees, so that they blind nobody.
+/// Cosines of the angles from straight down between which they are cut off: 65 to 80 degrees, so that they
+/// blind nobody.
 const CUT_OFF: [f32; 2] = [0.17, 0.42];
 /// The integral of [`intensity`]'s shape over all directions.
 const SHAPE_SR: f32 = 2.373_86;
@@ -13,8 +14,8 @@ const OUTPUT: f32 = 0.55;
 /// Candela by lumen where [`intensity`] is 1.
 pub(super) const CD_PER_LM: f32 = OUTPUT / SHAPE_SR;
 
-/// Intensity by cosines of the angles from straight down, in [`CD_PER_LM`]: more to the sides than below, so that the road between
-/// two lamps is lit.
+/// Intensity by cosines of the angles from straight down, in [`CD_PER_LM`]: more to the sides than below, so
+/// that the road between two lamps is lit.
 #[inline]
 pub(super) fn intensity(down: F32x8) -> F32x8 {
     let [dark, full] = CUT_OFF;

@@ -1,9 +1,10 @@
-//! What houses around a place leave of the sky: streets and courtyards are darker at their feet, ground along walls, facades where
-//! others face them.
+//! What houses around a place leave of the sky: streets and courtyards are darker at their feet, ground along
+//! walls, facades where others face them.
 //!
-//! Houses are taken as columns: a map from above has their heights. On a grid of cells, at some heights over the ground, the horizon
-//! that they make is followed all around; what is left of an even sky, for surfaces that face up, north, west, south and east, is
-//! added up from it in closed form and kept. Places between cells and heights are interpolated.
+//! Houses are taken as columns: a map from above has their heights. On a grid of cells, at some heights over
+//! the ground, the horizon that they make is followed all around; what is left of an even sky, for surfaces
+//! that face up, north, west, south and east, is added up from it in closed form and kept. Places between
+//! cells and heights are interpolated.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -31,8 +32,8 @@ const FADE_M: f32 = 16.0;
 /// Tags of the ground.
 const GROUND: [Tag; 6] = [Tag::Road, Tag::RoadLine, Tag::Sidewalk, Tag::Ground, Tag::Terrain, Tag::Water];
 
-/// Light of an even sky: the mean of what surfaces get that face sideways, how much more those to the east and to the north, and what
-/// one gets that faces up. Without houses a half, nothing, nothing and one.
+/// Light of an even sky: the mean of what surfaces get that face sideways, how much more those to the east
+/// and to the north, and what one gets that faces up. Without houses a half, nothing, nothing and one.
 type Left = wide::f32x4;
 
 /// How a surface is turned to what is left of the sky.
@@ -107,8 +108,8 @@ impl Walls {
         Ok(Self::over(lens.centre_m, lens.texel_m, side, &houses_m, &ground_m))
     }
 
-    /// The share of the sky's light that reaches a place of a surface, of what would without houses: from the south-west corner,
-    /// and over the middle.
+    /// The share of the sky's light that reaches a place of a surface, of what would without houses: from the
+    /// south-west corner, and over the middle.
     #[inline]
     pub(super) fn open(&self, from_corner: Vec3, facing: &Facing) -> f32 {
         if self.side == 0 {
@@ -140,7 +141,8 @@ impl Walls {
         1.0 - (1.0 - open) * (edge / FADE_M).min(1.0)
     }
 
-    /// Of heights of houses and ground over the middle, by texel from the south-west; negative endless where there is none.
+    /// Of heights of houses and ground over the middle, by texel from the south-west; negative endless where
+    /// there is none.
     fn over(centre_m: DVec3, texel_m: f32, texels: usize, houses_m: &[f32], ground_m: &[f32]) -> Self {
         let side = texels / CELL;
         // Where no ground is known it is as high as the middle.
@@ -174,8 +176,8 @@ impl Walls {
     }
 }
 
-/// Cells with those heights that are within houses filled from what is beside them, for who stands at their walls; deep
-/// inside from above.
+/// Cells with those heights that are within houses filled from what is beside them, for who stands at their
+/// walls; deep inside from above.
 fn outside(side: usize, cells: &[([Left; LEVELS], u32)]) -> Vec<Left> {
     let mut left: Vec<Left> = cells.iter().flat_map(|(left, _)| *left).collect();
     let mut within: Vec<u32> = cells.iter().map(|(_, within)| *within).collect();
@@ -229,8 +231,8 @@ impl Around {
         Self { ways, per_side: 0.5 / (ahead * std::f32::consts::FRAC_PI_4) }
     }
 
-    /// What columns whose heights are looked up by column and row (texels) leave of the sky at a place at some heights, and which
-    /// of these are within a column: bits by height.
+    /// What columns whose heights are looked up by column and row (texels) leave of the sky at a place at
+    /// some heights, and which of these are within a column: bits by height.
     fn left(
         &self,
         [x, y]: [f32; 2],
@@ -265,7 +267,8 @@ impl Around {
     }
 }
 
-/// What a surface that faces a direction gets of the sky over a horizon there, by the horizon's sine: half of `pi / 2 - h - sin h cos h`.
+/// What a surface that faces a direction gets of the sky over a horizon there, by the horizon's sine: half of
+/// `pi / 2 - h - sin h cos h`.
 #[inline]
 fn side(horizon: F32x8) -> F32x8 {
     // Arc cosine: Abramowitz and Stegun, 4.4.45, within 7e-5.

@@ -4,8 +4,8 @@ use simd::{F32x8, U32x8, floor_words, hash2, unit};
 
 use super::shaded_triangle::{Points, Surroundings};
 
-/// A random word of the square of the world in which points lie, and how far they are (x and y of the world) from a place in it that is
-/// so far from its edges at least, metres.
+/// A random word of the square of the world in which points lie, and how far they are (x and y of the world)
+/// from a place in it that is so far from its edges at least, metres.
 #[inline]
 pub(super) fn in_cell(p: &Points, cell_m: f32, salt: u32, inset_m: f32) -> (U32x8, [F32x8; 2]) {
     let wrapped = (Surroundings::WRAP_M as f32 / cell_m) as u32 - 1;

@@ -1,4 +1,5 @@
-//! Road dirt on the paint of vehicles: splashed up the flanks and over the tail, a film of dust on what lies level.
+//! Road dirt on the paint of vehicles: splashed up the flanks and over the tail, a film of dust on what lies
+//! level.
 
 use crate::textures::{Noise, hash2, unit};
 use glam::Vec3;

@@ -113,8 +113,9 @@ pub(super) fn facade(
     sample
 }
 
-/// Light of windows by their words. Where colours were drawn each window has one of its own, near to its house's and as bright; lamp
-/// shades and curtains take it more than half way back to the hue of windows without.
+/// Light of windows by their words. Where colours were drawn each window has one of its own, near to its
+/// house's and as bright; lamp shades and curtains take it more than half way back to the hue of windows
+/// without.
 #[inline]
 fn window_light(house: Vec3, word: U32x8) -> Vec3x8 {
     // `lights::WINDOW_RGB`, linear.

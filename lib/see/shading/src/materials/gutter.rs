@@ -19,7 +19,8 @@ const LEAVES: [Vec3; 2] = [Vec3::new(0.105, 0.062, 0.026), Vec3::new(0.235, 0.15
 const LEAF_CELL_M: f32 = 0.125;
 /// Radius of a leaf, metres.
 const LEAF_M: f32 = 0.028;
-/// At most one grate on a side of the road in a square of this side (a power of two again), metres, and the share that has one.
+/// At most one grate on a side of the road in a square of this side (a power of two again), metres, and the
+/// share that has one.
 const GRATE_CELL_M: f32 = 16.0;
 /// See [`GRATE_CELL_M`].
 const GRATE_SHARE: f32 = 0.45;
@@ -70,7 +71,8 @@ fn grate(kerbed: &Kerbed, p: &Points, away_m: &F32x8) -> Option<(F32x8, F32x8)> 
     let [half_m, from_m, to_m] = GRATE_M;
     let w = p.footprint_m.fast_max(F32x8::splat(0.004));
     let (word, [dx, dy]) = in_cell(p, GRATE_CELL_M, 131, 0.0);
-    // As far along the road as a place somewhere in the square. Ground lies in its object's frame as in the world.
+    // As far along the road as a place somewhere in the square. Ground lies in its object's frame as in the
+    // world.
     let along = kerbed.along();
     let off_m = dx * along.x + dy * along.y;
     let has_one = unit(word * 0xc2b2_ae35u32).simd_lt(GRATE_SHARE);

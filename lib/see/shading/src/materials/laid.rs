@@ -5,7 +5,8 @@ use schema::Tag;
 use schema::mesh_textures::MeshTextures;
 use simd::{F32x8, Vec3x8};
 
-/// The places of a triangle: metres along the sidewalk and away from its kerb follow evenly from those on its plan.
+/// The places of a triangle: metres along the sidewalk and away from its kerb follow evenly from those on its
+/// plan.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Laid {
     at: Vec2,

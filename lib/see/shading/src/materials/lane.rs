@@ -9,9 +9,9 @@ const USED_M: std::ops::Range<f32> = 2.5..4.6;
 
 /// How a triangle of a lane lies between its borders.
 ///
-/// Lanes are strips of quadrangles, each of two triangles with two corners on one border and one on the other: `(right, right, left)`
-/// and `(right, left, left)`. What runs across is the middle one of the sides: it is shorter than the diagonal, which comes last in the
-/// one and first in the other.
+/// Lanes are strips of quadrangles, each of two triangles with two corners on one border and one on the
+/// other: `(right, right, left)` and `(right, left, left)`. What runs across is the middle one of the sides:
+/// it is shorter than the diagonal, which comes last in the one and first in the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Across {
     /// A share of the width for each metre of the plan; and that of the origin.

@@ -98,8 +98,8 @@ pub(crate) fn sample(
     }
 }
 
-/// How a finish sends light back, as pictures say where it has some: plastic mirrors a twenty-fifth, metal more and scatters less (as
-/// `Surface::Metal` does).
+/// How a finish sends light back, as pictures say where it has some: plastic mirrors a twenty-fifth, metal
+/// more and scatters less (as `Surface::Metal` does).
 fn textured(factors: PbrFactors, rgb: Vec3, uv_surface: Option<&UvSurface<'_>>, p: &Points) -> BrdfSample {
     let rgb = uv_surface.and_then(|uv_surface| uv_surface.colour(p)).unwrap_or(Vec3x8::splat(rgb));
     let even = [factors.roughness, factors.metallic].map(F32x8::splat);
@@ -168,7 +168,8 @@ fn cast(
         // Kerbs go on from piece to piece of a bend.
         [laid.places(&p.object_m)[0], p.world_m.z]
     } else if is_kerb {
-        // Along the axis that it runs along most: so no piece of a bend begins anew, and what repeats meets itself.
+        // Along the axis that it runs along most: so no piece of a bend begins anew, and what repeats meets
+        // itself.
         let right = facet.tangents_local()[0].abs();
         [if right.x > right.y { p.world_m.x } else { p.world_m.y }, p.world_m.z]
     } else {

@@ -2,7 +2,8 @@
 
 use simd::F32x8;
 
-/// Share of the interval `[x - w / 2, x + w / 2]` that lies in the bars `[k, k + bar)` of a pattern of period 1.
+/// Share of the interval `[x - w / 2, x + w / 2]` that lies in the bars `[k, k + bar)` of a pattern of period
+/// 1.
 #[inline]
 pub(super) fn bars(x: F32x8, bar: f32, width: Width) -> F32x8 {
     // Length of bar from 0 to t.

@@ -1,4 +1,5 @@
-//! Rooms behind windows: a box behind each, met by the way one looks into it (van Dongen, "Interior mapping", 2008).
+//! Rooms behind windows: a box behind each, met by the way one looks into it (van Dongen, "Interior mapping",
+//! 2008).
 
 use glam::Vec3;
 use simd::{F32x8, U32x8, Vec3x8, unit};

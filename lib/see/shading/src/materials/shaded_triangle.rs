@@ -138,8 +138,8 @@ impl<'a> ShadedTriangle<'a> {
         is_level(self.normal_local)
     }
 
-    /// The axes of its texture, local frame: x and y of the world on the ground, elsewhere (on roofs too) to the right of someone who
-    /// looks at it and up.
+    /// The axes of its texture, local frame: x and y of the world on the ground, elsewhere (on roofs too) to
+    /// the right of someone who looks at it and up.
     pub(crate) fn tangents_local(&self) -> [Vec3; 2] {
         tangents_local(self.part, self.normal_local)
     }

@@ -19,7 +19,8 @@ pub(super) struct UvSurface<'a> {
     /// Place in the pictures at the first corner, in widths and heights.
     at: Vec2,
     corner: Vec3,
-    /// Widths and heights for a metre along each axis of the object, to the right and downwards in the pictures.
+    /// Widths and heights for a metre along each axis of the object, to the right and downwards in the
+    /// pictures.
     right: Vec3,
     down: Vec3,
     /// To the right and up in the pictures, along the axes that surfaces lean by.
@@ -27,8 +28,8 @@ pub(super) struct UvSurface<'a> {
 }
 
 impl<'a> UvSurface<'a> {
-    /// The pictures of a part on a triangle of its mesh, whose looks lean along `tangents_object`; none where it has none, or the triangle
-    /// no area.
+    /// The pictures of a part on a triangle of its mesh, whose looks lean along `tangents_object`; none where
+    /// it has none, or the triangle no area.
     pub(super) fn new(
         surface: Surface,
         textures: Option<(&'a MeshTextures, [Vec2; 3])>,
@@ -105,8 +106,8 @@ impl<'a> UvSurface<'a> {
         self.between(image, p, |bytes| Vec3::from_array(bytes.map(|byte| linear()[usize::from(byte)])))
     }
 
-    /// What a picture shows at eight points: between the middles of four texels of the copy that is about as coarse as the nearest of them
-    /// wants.
+    /// What a picture shows at eight points: between the middles of four texels of the copy that is about as
+    /// coarse as the nearest of them wants.
     fn between(&self, image: &Image, p: &Points, value: impl Fn([u8; 3]) -> Vec3) -> Vec3x8 {
         let finest = &image.levels[0];
         let widths = p.footprint_m.as_array();
@@ -179,7 +180,8 @@ mod tests {
 
     const SURFACE: Surface =
         Surface::Textured(PbrFactors { texture_set: Some(0), roughness: 1.0, metallic: 0.0 });
-    /// Two metres wide and high, in the plane x = 3: to the right is y, downwards is -z; it looks along +x from behind.
+    /// Two metres wide and high, in the plane x = 3: to the right is y, downwards is -z; it looks along +x
+    /// from behind.
     const CORNERS: [Vec3; 3] = [Vec3::new(3.0, 0.0, 2.0), Vec3::new(3.0, 2.0, 2.0), Vec3::new(3.0, 0.0, 0.0)];
 
     fn points(y: F32x8, z: f32, footprint: f32) -> Points {
@@ -226,8 +228,8 @@ mod tests {
         );
     }
 
-    /// Turned by any angle on its plane, mirrored or stretched: red leans to where the picture's columns grow, green to where its rows
-    /// fall.
+    /// Turned by any angle on its plane, mirrored or stretched: red leans to where the picture's columns
+    /// grow, green to where its rows fall.
     #[test]
     fn normals_lean_as_their_picture_lies() {
         // 45 degrees to its right, then 45 degrees up: the diagonal of a square is 180.3 of 255.

@@ -1,7 +1,7 @@
 //! Smooths the stairs of edges in a finished picture.
 //!
-//! A small form of Lottes, "FXAA" (2009): where brightness jumps, the pixel is mixed with its neighbours along the
-//! edge.
+//! A small form of Lottes, "FXAA" (2009): where brightness jumps, the pixel is mixed with its neighbours
+//! along the edge.
 
 use rayon::prelude::*;
 
@@ -69,7 +69,8 @@ fn jumps(lines: &[&[u8]; 3], first: usize, length: usize) -> [bool; STRETCH] {
     jumps
 }
 
-/// A pixel mixed with its neighbours along the edge that it is on; `lines` are the brightness of the rows around.
+/// A pixel mixed with its neighbours along the edge that it is on; `lines` are the brightness of the rows
+/// around.
 fn smoothed(
     lines: &[&[u8]; 3],
     pixels: &[[u8; 3]],

@@ -12,7 +12,8 @@ pub(super) const BLOCK: usize = 8;
 /// Film values up to this are no glare, and no pixel counts for more than so much beyond it.
 const WHITE: f32 = 1.0;
 const MOST_OVER: f32 = 60.0;
-/// Scattered light falls off in three steps: reach in blocks of a box that is laid over three times, and share.
+/// Scattered light falls off in three steps: reach in blocks of a box that is laid over three times, and
+/// share.
 const SPREADS: [(usize, f32); 3] = [(1, 0.45), (4, 0.30), (14, 0.25)];
 /// Less than this, as film value, is not seen.
 const LEAST: f32 = 0.001;

@@ -27,7 +27,8 @@ pub(super) struct Focus {
 }
 
 impl Focus {
-    /// Radius of the disc that a point becomes, pixels; of a thin lens that is much nearer to its picture than to what it shows.
+    /// Radius of the disc that a point becomes, pixels; of a thin lens that is much nearer to its picture
+    /// than to what it shows.
     fn disc_px(&self, depth_m: f32) -> f32 {
         let off = (1.0 / self.focus_m - 1.0 / depth_m.max(1e-2)).abs();
         (0.5 * self.opening_m * self.focal_px * off).min(WIDEST)
@@ -100,7 +101,8 @@ mod tests {
 
     #[test]
     fn points_become_discs_of_the_size_that_optics_have() {
-        // 10 mm wide, set to 5 m; a point at 1.25 m: the disc is 10 mm (1 / 1.25 - 1 / 5) wide a metre behind the lens.
+        // 10 mm wide, set to 5 m; a point at 1.25 m: the disc is 10 mm (1 / 1.25 - 1 / 5) wide a metre behind
+        // the lens.
         let focus = Focus { opening_m: 0.01, focus_m: 5.0, focal_px: 2000.0 };
         assert!((focus.disc_px(1.25) - 6.0).abs() < 1e-4);
         assert!((focus.disc_px(f32::INFINITY) - 2.0).abs() < 1e-4 && focus.disc_px(5.0) == 0.0);

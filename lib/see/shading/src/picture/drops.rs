@@ -1,8 +1,9 @@
 //! Drops of rain on the glass before a lens.
 //!
-//! A drop is a strong lens: it shows most of what is before the camera small, upside down and mirrored, and its rim is dark. It is much
-//! nearer than what the camera is set to, so that neither its edge nor its picture is sharp. There is a fixed number of places where drops
-//! come and go, each at its own pace; what is there at a time follows from the stream, the time and the rain alone.
+//! A drop is a strong lens: it shows most of what is before the camera small, upside down and mirrored, and
+//! its rim is dark. It is much nearer than what the camera is set to, so that neither its edge nor its
+//! picture is sharp. There is a fixed number of places where drops come and go, each at its own pace; what is
+//! there at a time follows from the stream, the time and the rain alone.
 
 use glam::Vec2;
 use random::{Stream, unit_f32};
@@ -58,7 +59,8 @@ impl Drops {
         Self { strength, stream }
     }
 
-    /// A picture through the glass at a frame, in rain of a strength between 0 and 1; none where the glass is dry.
+    /// A picture through the glass at a frame, in rain of a strength between 0 and 1; none where the glass is
+    /// dry.
     #[must_use]
     pub fn on(&self, picture: &Picture, frame: u32, rain: f32) -> Option<Picture> {
         let size = Vec2::new(picture.width as f32, picture.height as f32);

@@ -1,9 +1,10 @@
 //! What wet ground mirrors: other parts of the same picture.
 //!
-//! Where a mirrored ray ends is looked up in the picture's own depths. The ray runs nearly in the upright plane through the camera,
-//! and most things stand: whoever follows it to the distance of what is seen there, and looks again, comes to its end in a few steps
-//! and passes nothing that stands in the way. Of what the picture does not show (undersides, what is beyond its edges) there is
-//! what the agent sees around it in that direction.
+//! Where a mirrored ray ends is looked up in the picture's own depths. The ray runs nearly in the upright
+//! plane through the camera, and most things stand: whoever follows it to the distance of what is seen there,
+//! and looks again, comes to its end in a few steps and passes nothing that stands in the way. Of what the
+//! picture does not show (undersides, what is beyond its edges) there is what the agent sees around it in
+//! that direction.
 
 use glam::{Affine3A, Mat3, Vec3};
 use rayon::prelude::*;
@@ -16,7 +17,8 @@ use super::vignette::Vignette;
 use crate::light::{EnvironmentMap, Sky};
 use render::CameraView;
 
-/// Mirrored rays stand so many columns apart, and as many rows as are this far apart as slopes, but within these limits.
+/// Mirrored rays stand so many columns apart, and as many rows as are this far apart as slopes, but within
+/// these limits.
 const COLUMNS_APART: usize = 2;
 const ROWS_APART: f32 = 0.0042;
 const ROWS_LIMITS: [usize; 2] = [2, 4];
@@ -30,8 +32,8 @@ const FIRST: f32 = 0.08;
 const HIDDEN: f32 = 0.15;
 /// What is farther than this is at the end of the world, metres.
 const FAR_M: f32 = 4000.0;
-/// Water on rough ground blurs pictures by so much up and down, and to the sides, as slopes: rays that graze it are turned upwards more than
-/// aside.
+/// Water on rough ground blurs pictures by so much up and down, and to the sides, as slopes: rays that graze
+/// it are turned upwards more than aside.
 const BLUR: [f32; 2] = [0.035, 0.004];
 /// Lamps are so much brighter than what the film shows of them: by day and when they light the ground.
 const LAMP: [f32; 2] = [1.5, 12.0];
@@ -110,8 +112,9 @@ impl Mirror {
         Self { columns, rows, rows_apart, sharp, dull, focal: [camera.fx, camera.fy] }
     }
 
-    /// What is mirrored at eight pixels of a row whose water leans by slopes away from the camera and to its right, `rough` (0 to 1) as
-    /// it is, and whether that is known: 0 or 1. The ground is seen at an angle of such a sine.
+    /// What is mirrored at eight pixels of a row whose water leans by slopes away from the camera and to its
+    /// right, `rough` (0 to 1) as it is, and whether that is known: 0 or 1. The ground is seen at an angle of
+    /// such a sine.
     #[inline]
     pub(super) fn at(
         &self,
@@ -229,7 +232,8 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// The pixels in which eight rays end, and whether the picture shows them; places and ways are from the camera.
+    /// The pixels in which eight rays end, and whether the picture shows them; places and ways are from the
+    /// camera.
     fn end(&self, places: &Vec3x8, ways: &Vec3x8) -> ([u32; LANES], F32x8) {
         let Dry { view, buffer, .. } = self.dry;
         let level = (ways.x * ways.x + ways.y * ways.y).sqrt().fast_max(F32x8::splat(1e-3));

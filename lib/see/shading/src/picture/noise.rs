@@ -36,7 +36,8 @@ pub struct Noise {
     /// Times the noise of a usual chip.
     strength: f64,
     quantiles: Vec<f32>,
-    /// Film value at which each code begins to be the next one's, with the code's own slope: codes per film value.
+    /// Film value at which each code begins to be the next one's, with the code's own slope: codes per film
+    /// value.
     codes: Vec<(f64, f64)>,
 }
 
@@ -47,7 +48,8 @@ impl Noise {
         Self { strength, quantiles: quantiles(), codes: Film::slopes() }
     }
 
-    /// Standard deviation at each code, in codes: photons of a film value follow Poisson's law, whose variance is its mean.
+    /// Standard deviation at each code, in codes: photons of a film value follow Poisson's law, whose
+    /// variance is its mean.
     fn deviations(&self, electrons: f64) -> Vec<f32> {
         let of = |&(film, slope): &(f64, f64)| {
             let variance = film * electrons + READ_ELECTRONS * READ_ELECTRONS;

@@ -29,8 +29,8 @@ pub(super) struct Rain {
     pub(super) world_from_local_m: Vec3,
 }
 
-/// Draws the streaks of drops that are nearer than what is seen. Drops have their places in the world: two cameras that look
-/// at one see it both, and streaks lean towards a camera that drives.
+/// Draws the streaks of drops that are nearer than what is seen. Drops have their places in the world: two
+/// cameras that look at one see it both, and streaks lean towards a camera that drives.
 pub(super) fn draw_rain(picture: &mut Picture, view: &CameraView, buffer: &VisibilityBuffer, rain: Rain) {
     let turn = view.local_from_optical.matrix3.transpose();
     let camera = Vec3::from(view.local_from_optical.translation);
@@ -111,7 +111,8 @@ mod tests {
         wet_at([Vec3::ZERO, Vec3::new(3.2, -7.1, 0.6)], yaw_rad, moved, frame, f32::INFINITY)
     }
 
-    /// The same from a place in a local frame whose origin is somewhere in the world, before a wall at a planar depth.
+    /// The same from a place in a local frame whose origin is somewhere in the world, before a wall at a
+    /// planar depth.
     fn wet_at([place, world]: [Vec3; 2], yaw_rad: f32, moved: Vec3, frame: u32, wall_m: f32) -> Picture {
         let (width, height) = (320, 200);
         let forward = glam::Mat3::from_cols(Vec3::NEG_Y, Vec3::NEG_Z, Vec3::X);

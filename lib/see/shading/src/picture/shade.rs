@@ -237,8 +237,8 @@ struct Turned {
     ambient: Vec3x8,
 }
 
-/// What decides the light at eight places, before the surface's colour; all but the sun's share is smooth enough to be
-/// interpolated.
+/// What decides the light at eight places, before the surface's colour; all but the sun's share is smooth
+/// enough to be interpolated.
 #[derive(Clone, Copy)]
 struct Light {
     /// Share of the sun that is seen.
@@ -269,14 +269,15 @@ enum Spread {
     Far,
 }
 
-/// What a wall that hides the sky sends in its place, of what the sky gives: walls reflect some four tenths, and half of what the
-/// ground has reaches them.
+/// What a wall that hides the sky sends in its place, of what the sky gives: walls reflect some four tenths,
+/// and half of what the ground has reaches them.
 const WALLS: Vec3 = Vec3::new(0.27, 0.24, 0.20);
 
 /// Shade from above may differ by this at the ends of an even stretch.
 const ALIKE: f32 = 0.06;
 
-/// Share of the light of the sky that reaches what is in a cabin, at least: its roof is close above, but panes are all around.
+/// Share of the light of the sky that reaches what is in a cabin, at least: its roof is close above, but
+/// panes are all around.
 const OPEN_IN_CABINS: f32 = 0.55;
 
 /// How far leaves' normals are bent upwards.
@@ -355,8 +356,8 @@ impl Shader<'_> {
         }
     }
 
-    /// Film values of what is behind up to eight pixels of a pane, as bright as it shows through it; so much light passes the fog
-    /// before the pane.
+    /// Film values of what is behind up to eight pixels of a pane, as bright as it shows through it; so much
+    /// light passes the fog before the pane.
     fn behind(
         &self,
         surfaces: &Surfaces<'_>,
@@ -398,8 +399,8 @@ impl Shader<'_> {
         seen * F32x8::new(shares)
     }
 
-    /// Paints what shows a triangle. Of long spans the light is worked out at every eighth pixel, and between these only what
-    /// is not even.
+    /// Paints what shows a triangle. Of long spans the light is worked out at every eighth pixel, and between
+    /// these only what is not even.
     fn paint(&self, mut span: Span<'_>, triangle: &SurfaceTriangle<'_, '_>) {
         let run = self.begin(triangle);
         let points = |columns: &[u32; LANES], y| triangle.points(self.buffer, columns, y);
@@ -470,7 +471,8 @@ impl Shader<'_> {
             },
             lamps,
             passes: light.fog.passes(self.camera.z, positions.z, distance_m),
-            // A pixel on a slanted surface is longer than wide; the geometric mean blurs neither way too much.
+            // A pixel on a slanted surface is longer than wide; the geometric mean blurs neither way too
+            // much.
             footprint_at_1_m: self.per_focal / slant.sqrt(),
         };
         Knots { light, sun }
@@ -622,8 +624,8 @@ impl Shader<'_> {
         }
     }
 
-    /// The light on surfaces that are turned as their normals say. Leaves let light through, and those turned away are looked at on
-    /// their lit side.
+    /// The light on surfaces that are turned as their normals say. Leaves let light through, and those turned
+    /// away are looked at on their lit side.
     #[inline]
     fn turned(&self, is_leaf: bool, normals: &Vec3x8) -> Turned {
         let [a, x, y, z] = self.ambient;
@@ -640,7 +642,8 @@ impl Shader<'_> {
         Turned { facing, ambient: ambient * F32x8::splat(0.8) }
     }
 
-    /// Adds what a glossy surface mirrors: the sky, or what else is known to be `around` it, and a highlight of the sun.
+    /// Adds what a glossy surface mirrors: the sky, or what else is known to be `around` it, and a highlight
+    /// of the sun.
     #[inline]
     fn specular(
         &self,

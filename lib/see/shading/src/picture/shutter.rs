@@ -1,7 +1,8 @@
 //! What moves while the shutter is open is smeared along its way.
 //!
-//! The filter gathers along the fastest motion near by, and takes from each place as much as its own motion lets it reach, the nearer
-//! before the farther (McGuire et al., "A reconstruction filter for plausible motion blur", 2012). The shutter closes at the frame's time.
+//! The filter gathers along the fastest motion near by, and takes from each place as much as its own motion
+//! lets it reach, the nearer before the farther (McGuire et al., "A reconstruction filter for plausible
+//! motion blur", 2012). The shutter closes at the frame's time.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -22,8 +23,8 @@ pub(super) struct Light<'a> {
     pub(super) depth_m: &'a [f32],
 }
 
-/// Film values with what moved smeared: `moved` is how far each pixel's surface came in the picture while the shutter was open,
-/// pixels to the right and down.
+/// Film values with what moved smeared: `moved` is how far each pixel's surface came in the picture while the
+/// shutter was open, pixels to the right and down.
 pub(super) fn smeared(light: &Light<'_>, moved: &[Vec2]) -> Vec<Vec3> {
     let Light { width, values, depth_m } = *light;
     let height = values.len() / width;

@@ -1,8 +1,8 @@
 //! Spray behind the wheels of vehicles that drive fast on wet roads.
 //!
-//! Each wheel throws up a puff at even times; it is dragged along for a while, rises, widens and thins. A puff is a Gaussian cloud, longer
-//! than wide, whose thickness along a pixel's ray up to what the pixel shows is known in closed form. Where puffs are follows from the
-//! frame's time, the vehicle and its motion alone.
+//! Each wheel throws up a puff at even times; it is dragged along for a while, rises, widens and thins. A
+//! puff is a Gaussian cloud, longer than wide, whose thickness along a pixel's ray up to what the pixel shows
+//! is known in closed form. Where puffs are follows from the frame's time, the vehicle and its motion alone.
 
 use crate::textures::{hash2, unit};
 use frames::Aabb;
@@ -26,7 +26,8 @@ const FARTHEST_M: f32 = 120.0;
 const SPEEDS_MPS: [f32; 2] = [9.0, 30.0];
 /// Less wet roads throw up nothing; from this wetness on they throw up all.
 const WETNESS: [f32; 2] = [0.25, 0.85];
-/// Puffs of a wheel follow one another in this time and last so long, seconds; those of front wheels are soon among the next ones.
+/// Puffs of a wheel follow one another in this time and last so long, seconds; those of front wheels are soon
+/// among the next ones.
 const EVERY_S: f32 = 0.09;
 const LASTS_S: f32 = 1.0;
 const FRONT_LASTS_S: f32 = 0.4;
@@ -44,7 +45,8 @@ const REACH: f32 = 3.2;
 /// Share of the light that drops send on.
 const SENT_ON: f32 = 0.95;
 
-/// A cloud: its middle, its axes over their widths (rows), how thick it is for a way of a metre through its middle, and its light.
+/// A cloud: its middle, its axes over their widths (rows), how thick it is for a way of a metre through its
+/// middle, and its light.
 #[derive(Clone, Copy, Debug)]
 struct Puff {
     middle: Vec3,

@@ -35,13 +35,15 @@ impl Canvas {
     }
 }
 
-/// Clouds over a tile of which the largest are a quarter as large as `1 / times` of the tile, and turned by `seed`: 0 to 1, 1/2 on average.
+/// Clouds over a tile of which the largest are a quarter as large as `1 / times` of the tile, and turned by
+/// `seed`: 0 to 1, 1/2 on average.
 pub(crate) fn clouds(x: f32, y: f32, times: f32, seed: u32) -> f32 {
     let shift = seed as f32;
     Noise::get().at(x * 256.0 * times + shift * 37.0, y * 256.0 * times + shift * 101.0, 0.5)
 }
 
-/// Grain of `across` to the tile and half that size: 0 to 1, 1/2 on average, without anything larger that would show how the tile repeats.
+/// Grain of `across` to the tile and half that size: 0 to 1, 1/2 on average, without anything larger that
+/// would show how the tile repeats.
 pub(crate) fn grain(x: f32, y: f32, across: i32) -> f32 {
     let octave = |n: i32| lattice(x * n as f32, y * n as f32, n);
     0.6 * octave(across) + 0.4 * octave(2 * across)

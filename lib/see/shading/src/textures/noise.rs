@@ -1,7 +1,7 @@
 //! Noise for textures and clouds: one square tile of fractal value noise with a chain of coarser copies.
 //!
-//! The tile repeats without a seam. Coarser copies are averages, so a texture seen from afar fades to its mean
-//! and does not flicker when the camera moves.
+//! The tile repeats without a seam. Coarser copies are averages, so a texture seen from afar fades to its
+//! mean and does not flicker when the camera moves.
 
 use std::sync::OnceLock;
 
@@ -19,7 +19,8 @@ const COARSEST: usize = 4;
 pub struct Noise {
     /// Square levels, each half the side of the one before.
     levels: [Vec<u8>; LEVELS],
-    /// Each texel of the finest level with its right, lower and lower right neighbour, a byte each from the lowest.
+    /// Each texel of the finest level with its right, lower and lower right neighbour, a byte each from the
+    /// lowest.
     quads: Vec<u32>,
 }
 

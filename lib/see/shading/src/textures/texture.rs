@@ -26,8 +26,8 @@ pub struct Texels {
     pub shade: F32x8,
     /// How much of the second colour there is, less its average.
     pub tint: F32x8,
-    /// How much the surface's normal leans along the first and second axis: with `1` along the plane's normal these make its
-    /// direction. 0 on average.
+    /// How much the surface's normal leans along the first and second axis: with `1` along the plane's normal
+    /// these make its direction. 0 on average.
     pub lean: [F32x8; 2],
 }
 
@@ -99,8 +99,8 @@ impl Texture {
         self.levels.iter().map(|level| 4 * level.len()).sum()
     }
 
-    /// Eight places, metres along its axes, each averaged over about `footprint_m`: of the coarser copies the one is read that the smallest
-    /// of the first and last place wants, between the middles of its texels.
+    /// Eight places, metres along its axes, each averaged over about `footprint_m`: of the coarser copies the
+    /// one is read that the smallest of the first and last place wants, between the middles of its texels.
     #[inline]
     #[must_use]
     pub fn at(&self, x_m: F32x8, y_m: F32x8, footprint_m: F32x8) -> Texels {

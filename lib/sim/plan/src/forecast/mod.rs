@@ -9,8 +9,8 @@ use indicatif::{DecimalBytes, HumanCount};
 use schema::{AgentId, AgentKind, ImageKind};
 use settings::{BevSettings, DatasetSettings, Lens, Rig, Split};
 
-/// Bytes as stored, measured on four datasets of 240 agent-frames each (the demo town and three of CARLA's). Busy places
-/// take more: good within a factor of two.
+/// Bytes as stored, measured on four datasets of 240 agent-frames each (the demo town and three of CARLA's).
+/// Busy places take more: good within a factor of two.
 mod bytes {
     pub(super) const BEV_CELL: f64 = 0.08;
     /// Beside a mask, by its cells: heights of the ground, whose each cell is, paint.
@@ -27,8 +27,8 @@ mod bytes {
     pub(super) const AGENT_FRAME: f64 = 20e3;
 }
 
-/// Seconds of one core, from the table of docs/performance.md (two cores) and the demo dataset's stages: good within a
-/// factor of two.
+/// Seconds of one core, from the table of docs/performance.md (two cores) and the demo dataset's stages: good
+/// within a factor of two.
 mod core_seconds {
     pub(super) const VISIBILITY_PX: f64 = 19e-9;
     /// The same of a lens that bends: a ray a pixel.
@@ -353,8 +353,9 @@ mod tests {
         assert!((0.9..1.1).contains(&(bytes / 1.57e9)), "{bytes}");
     }
 
-    /// Bytes of one file of each kind at a frame, measured: the tiny dataset (160 x 90 pixels, 16 x 256 rays, voxels of 0.5 m;
-    /// mean of seven maps), and one of the default's rays and grids with 640 x 360 pixels (mean of two).
+    /// Bytes of one file of each kind at a frame, measured: the tiny dataset (160 x 90 pixels, 16 x 256 rays,
+    /// voxels of 0.5 m; mean of seven maps), and one of the default's rays and grids with 640 x 360 pixels
+    /// (mean of two).
     #[test]
     fn options_are_as_large_as_they_are() {
         let measured: [&[(&str, f64)]; 2] = [

@@ -1,5 +1,5 @@
-//! What readings take, within a factor of two. Bytes as stored, measured on four datasets of 240 agent-frames each (the
-//! demo town and three of CARLA's); seconds of one core, from the table of docs/performance.md.
+//! What readings take, within a factor of two. Bytes as stored, measured on four datasets of 240 agent-frames
+//! each (the demo town and three of CARLA's); seconds of one core, from the table of docs/performance.md.
 
 use schema::ImageKind;
 use settings::{RadarSpec, Rig};
@@ -24,7 +24,8 @@ pub(crate) const fn pixel_cost(kind: ImageKind) -> PixelCost {
     PixelCost { bytes, core_s }
 }
 
-/// Bytes of a pixel of flow that is kept as half floats: fewer digits, but not split into streams of bytes as floats are.
+/// Bytes of a pixel of flow that is kept as half floats: fewer digits, but not split into streams of bytes as
+/// floats are.
 pub(crate) const HALF_FLOW_PX: f64 = 0.61;
 /// So many times the bytes of one ray's returns are those of a beam of several: most beams meet one thing.
 const BEAM_BYTES: f64 = 1.04;

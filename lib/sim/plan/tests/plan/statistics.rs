@@ -99,7 +99,8 @@ fn weather_has_the_published_shares() {
 fn durations_follow_their_rule_and_radii_the_durations() {
     let plan = planned(24_000, |_| {});
     let of = |d: f64| plan.scenes.iter().filter(|s| s.duration_s == d).count() as f64;
-    // 24,000 draws over 24 s: 1000 for whole seconds inside, half of it at the two ends; four standard errors.
+    // 24,000 draws over 24 s: 1000 for whole seconds inside, half of it at the two ends; four standard
+    // errors.
     assert!((8..=32).map(|d| of(f64::from(d))).sum::<f64>() == 24_000.0);
     assert!((of(8.0) - 500.0).abs() < 90.0 && (of(32.0) - 500.0).abs() < 90.0);
     assert!((9..32).all(|d| (of(f64::from(d)) - 1000.0).abs() < 126.0));
@@ -160,7 +161,8 @@ fn rain_wind_and_fog_follow_their_rules() {
         assert!((mean(&dry) - 43.0).abs() < 0.7 && (mean(&deposits) - 59.0).abs() < 0.7, "{}", mean(&dry));
         assert!(draws.iter().all(|w| w.precipitation <= w.precipitation_deposits));
         assert!(share(&deposits, |d| d < 0.01) < 0.05);
-        // Rain and fog begin above 10 %, rain under clouds of more than 40 %, and there is no more rain than clouds.
+        // Rain and fog begin above 10 %, rain under clouds of more than 40 %, and there is no more rain than
+        // clouds.
         for w in &draws {
             assert!(w.precipitation == 0.0 || (w.precipitation > 10.0 && w.cloudiness > 40.0));
             assert!(w.precipitation <= w.cloudiness && (w.cloudiness == 0.0 || w.cloudiness > 10.0));
@@ -181,7 +183,8 @@ fn rain_wind_and_fog_follow_their_rules() {
         let off = of(|w| (40.0..60.0).contains(&w.precipitation), |w| w.wetness - w.precipitation);
         let spread = mean(&off.iter().map(|v| v * v).collect::<Vec<_>>()).sqrt();
         assert!(mean(&off).abs() < 0.6 && (spread - 10.0).abs() < 0.4, "{} {spread}", mean(&off));
-        // Fog begins at a log-normal distance: median 24.5 m, 5 % and 95 % at 6.6 and 91 m; without fog at 100 m.
+        // Fog begins at a log-normal distance: median 24.5 m, 5 % and 95 % at 6.6 and 91 m; without fog at
+        // 100 m.
         let distances = of(foggy, |w| w.fog_distance_m);
         for (below, want) in [(6.6, 5.0), (24.5, 50.0), (91.0, 95.0)] {
             let got = share(&distances, |d| d < below);

@@ -19,8 +19,8 @@ pub(crate) const SAMPLE: usize = 10;
 const ASKEW_RAD: f64 = 0.7;
 /// Ends of lanes farther from each other than this do not meet, metres.
 const APART_M: f64 = 0.1;
-/// Ways ahead are followed this far beyond the end of a track, metres: over a junction and what may block the way out of
-/// it. From the second length on, points are coarser.
+/// Ways ahead are followed this far beyond the end of a track, metres: over a junction and what may block the
+/// way out of it. From the second length on, points are coarser.
 const BEYOND_M: f64 = 100.0;
 const FINE_M: f64 = 24.0;
 const COARSE_M: f64 = 2.0;
@@ -208,7 +208,8 @@ impl<'a> Film<'a> {
         (0..self.states).step_by(SAMPLE)
     }
 
-    /// The driving lane that a vehicle is on: of those that run its way the one whose middle it is nearest to.
+    /// The driving lane that a vehicle is on: of those that run its way the one whose middle it is nearest
+    /// to.
     pub(crate) fn lane(&self, snap: &Snap) -> Option<LaneHit> {
         lane(self.map, snap)
     }
@@ -279,7 +280,8 @@ fn way(map: &Map, track: &[Snap]) -> (Vec<(f64, Point3<f64>)>, Vec<f64>) {
     (way, gone_m)
 }
 
-/// Where the map leads from the end of one lane to the beginning of one that lies apart: vehicles go over before.
+/// Where the map leads from the end of one lane to the beginning of one that lies apart: vehicles go over
+/// before.
 fn leaps(map: &Map) -> Vec<(Point3<f64>, f64)> {
     let at = |lane, along_m| map.point_at(LanePos { lane, along_m }).map(|p| p.position);
     let mut found = Vec::new();

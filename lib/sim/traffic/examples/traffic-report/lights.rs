@@ -6,8 +6,8 @@ use super::film::{DT, Film};
 
 /// The first vehicles of a queue lose time by setting off; those after this many flow.
 const LOST: usize = 3;
-/// Saturation flow is told in passenger cars: queues count up to the first vehicle longer than this, metres, or on two
-/// wheels.
+/// Saturation flow is told in passenger cars: queues count up to the first vehicle longer than this, metres,
+/// or on two wheels.
 const CAR_M: f64 = 6.3;
 /// A vehicle has queued that was slower than this since the light was red, m/s.
 const QUEUED_MPS: f64 = 1.0;
@@ -84,8 +84,8 @@ pub(crate) fn measure(film: &Film<'_>) -> Lights {
     result
 }
 
-/// A vehicle is through a junction this far behind its line, metres, and has gone straight on if it has turned by less,
-/// radians.
+/// A vehicle is through a junction this far behind its line, metres, and has gone straight on if it has
+/// turned by less, radians.
 const THROUGH_M: f64 = 30.0;
 const STRAIGHT_RAD: f64 = 0.5;
 

@@ -1,8 +1,9 @@
-//! Watches traffic and tells what is wrong with it: scenes on towns of our own and, where they are at hand, on real
-//! maps, judged by their logs alone. `make traffic-report`.
+//! Watches traffic and tells what is wrong with it: scenes on towns of our own and, where they are at hand,
+//! on real maps, judged by their logs alone. `make traffic-report`.
 //!
-//! Arguments: names of maps (`convoy/03`, `Town03`) to look at only these; `--seeds N` for scenes per map, or `--seeds 5-9` for those; `--faults`
-//! to list single faults; `--dump FOLDER` to write every track as CSV, for drawing.
+//! Arguments: names of maps (`convoy/03`, `Town03`) to look at only these; `--seeds N` for scenes per map, or
+//! `--seeds 5-9` for those; `--faults` to list single faults; `--dump FOLDER` to write every track as CSV,
+//! for drawing.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "it is a report")]
 
 #[path = "../../tests/traffic/common/mod.rs"]
@@ -58,7 +59,8 @@ fn watch(plan: &Plan, dump: Option<&Path>) -> Report {
     }
 }
 
-/// One line for each state of each body: id, length, width, state, x, y, yaw, speed; of what stands in hazards one line.
+/// One line for each state of each body: id, length, width, state, x, y, yaw, speed; of what stands in
+/// hazards one line.
 fn write(film: &Film<'_>, path: &Path) -> std::io::Result<()> {
     let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
     let mut line = |id: u16, [length, width]: [f64; 2], i: usize, s: &Snap| {

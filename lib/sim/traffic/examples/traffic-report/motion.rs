@@ -16,7 +16,8 @@ const MOVING_MPS: f64 = 3.0;
 const STEADY: usize = 80;
 /// Vehicles that change lanes are off their lane by more than this before and after, metres.
 const CHANGING_M: f64 = 0.25;
-/// Vehicles go over to a lane that lies apart within this way before the end of the one that leads there, for each metre.
+/// Vehicles go over to a lane that lies apart within this way before the end of the one that leads there, for
+/// each metre.
 const LEAP_M_PER_M: f64 = 4.0;
 
 /// Figures of ordinary drivers who never crashed.
@@ -83,8 +84,9 @@ fn on_lanes(film: &Film<'_>, body: &Body, end: usize, motion: &mut Motion) {
         .collect();
     motion.lane_changes += changes.len();
     let offsets: Vec<f64> = hits.iter().map(|hit| hit.map_or(3.5, |h| h.distance_m)).collect();
-    // What is off the lane without a break before or after a change, or when the scene ends, belongs to a change; so does
-    // what is off where the map itself leads from the end of one lane to the beginning of another one that lies apart.
+    // What is off the lane without a break before or after a change, or when the scene ends, belongs to a
+    // change; so does what is off where the map itself leads from the end of one lane to the beginning of
+    // another one that lies apart.
     let mut changing = vec![false; offsets.len() + 1];
     let led_over = (0..samples.len()).filter(|&k| {
         let at = body.track[samples[k]].at;
@@ -113,8 +115,8 @@ fn on_lanes(film: &Film<'_>, body: &Body, end: usize, motion: &mut Motion) {
     }
 }
 
-/// Whether who is on one lane and then on another one has changed lanes: outside junctions, not to what the first lane leads
-/// to, but to another lane of the same road or beside what it leads to.
+/// Whether who is on one lane and then on another one has changed lanes: outside junctions, not to what the
+/// first lane leads to, but to another lane of the same road or beside what it leads to.
 fn changes_over(film: &Film<'_>, from: LaneId, to: LaneId) -> bool {
     let outside = film.map.lane(to).is_some_and(|l| l.junction.is_none());
     let beside = || {
@@ -130,8 +132,8 @@ fn leads_to(film: &Film<'_>, from: LaneId, to: LaneId) -> bool {
     on(from).iter().any(|next| *next == to || on(*next).contains(&to))
 }
 
-/// Whether nothing but the limit sets a vehicle's speed: it goes steadily and straight on between junctions, with
-/// nobody and no line near ahead.
+/// Whether nothing but the limit sets a vehicle's speed: it goes steadily and straight on between junctions,
+/// with nobody and no line near ahead.
 fn is_free(film: &Film<'_>, body: &Body, i: usize) -> bool {
     let snap = &body.track[i];
     let around = (i - STEADY..=i + STEADY).step_by(SAMPLE);

@@ -23,13 +23,14 @@ const SCENERY_M: f64 = 300.0;
 /// Maps to look at: our towns, then real ones that may be absent, then places with full queues.
 const MAPS: [&str; 8] =
     ["convoy/01", "convoy/03", "convoy/05", "convoy/06", "Town03", "Town10HD", "crossing", "roundabout"];
-/// Radius of the roundabout's lane and length of its arms, metres; vehicles in each queue, and metres from one to the next.
+/// Radius of the roundabout's lane and length of its arms, metres; vehicles in each queue, and metres from
+/// one to the next.
 const ROUNDABOUT_M: [f64; 2] = [18.0, 500.0];
 const QUEUE: usize = 20;
 const QUEUED_M: f64 = 10.0;
 
-/// One seed in so many has accidents and road works, so many of them; they are as long as this, metres, and keep as far off
-/// the ends of their lanes and off agents.
+/// One seed in so many has accidents and road works, so many of them; they are as long as this, metres, and
+/// keep as far off the ends of their lanes and off agents.
 const HAZARD_SEEDS: u64 = 4;
 const HAZARDS: usize = 8;
 const HAZARD_M: f64 = 26.0;

@@ -11,8 +11,8 @@ const START_S: f64 = 3.0;
 /// A leader's rear is this near, metres: the largest standing gap drawn, and as much again behind a wreck.
 const LEADER_M: f64 = 9.0;
 const WRECK_M: f64 = 16.0;
-/// Who stands straight ahead of the bumper, wherever the way leads later, is within this distance, metres, and not askew by
-/// more, radians.
+/// Who stands straight ahead of the bumper, wherever the way leads later, is within this distance, metres,
+/// and not askew by more, radians.
 const STRAIGHT_M: f64 = 7.0;
 const ASKEW_RAD: f64 = 1.0;
 /// Who is let in is at most this far ahead, bumper to middle, and this far aside, metres.
@@ -29,8 +29,8 @@ const JUNCTION_M: f64 = 10.0;
 /// Room to wait between two junctions beyond the own length, metres, and how far junctions are looked for.
 const BETWEEN_M: f64 = 10.0;
 const JUNCTIONS_M: f64 = 80.0;
-/// Those who come to a junction are given way if they are this near: metres at least, and seconds (critical gaps of the
-/// Highway Capacity Manual are 6.2 to 7.1 s).
+/// Those who come to a junction are given way if they are this near: metres at least, and seconds (critical
+/// gaps of the Highway Capacity Manual are 6.2 to 7.1 s).
 const RIVAL_M: f64 = 25.0;
 const RIVAL_S: f64 = 7.0;
 /// Those who use a junction are this near at most, metres.
@@ -101,8 +101,8 @@ pub(crate) struct Standing {
     pub(crate) faults: Vec<(usize, u16)>,
     /// Longest standing for whatever reason.
     pub(crate) longest: Longest,
-    /// Longest standing of which the cause, at the head of the queue, is neither a light nor a walker nor a wreck nor a
-    /// hazard.
+    /// Longest standing of which the cause, at the head of the queue, is neither a light nor a walker nor a
+    /// wreck nor a hazard.
     pub(crate) gridlock: Longest,
 }
 
@@ -258,7 +258,8 @@ fn reason_ahead(film: &Film<'_>, body: &Body, others: &[usize], i: usize) -> Opt
     Some(if walker.is_wrecked(i) { Reason::Wreck } else { Reason::Walker })
 }
 
-/// What holds a vehicle at a line: its light, its sign, or no room behind the junction; or that it is about to set off.
+/// What holds a vehicle at a line: its light, its sign, or no room behind the junction; or that it is about
+/// to set off.
 fn reason_at_line(film: &Film<'_>, body: &Body, junction: Option<usize>, i: usize) -> Option<Reason> {
     let lines = film.lines_ahead(body, i, LINE_M);
     let held = |light: bool| {
@@ -323,8 +324,8 @@ fn comes_through(film: &Film<'_>, body: &Body, other: &Body, i: usize) -> bool {
     soon.any(|j| body.ahead(i, NEEDED_M).any(|(_, point)| other.covers(j, point, margin_m)))
 }
 
-/// How far a vehicle reaches to its sides on the way that it needs, metres: in a bend of radius R its front corners are
-/// farther out by up to the square of the way from the rear axle to the bumper over 2 R.
+/// How far a vehicle reaches to its sides on the way that it needs, metres: in a bend of radius R its front
+/// corners are farther out by up to the square of the way from the rear axle to the bumper over 2 R.
 fn reach_aside_m(body: &Body, i: usize) -> f64 {
     let points: Vec<_> = body.ahead(i, NEEDED_M).map(|(_, point)| point).collect();
     let directions: Vec<f64> =

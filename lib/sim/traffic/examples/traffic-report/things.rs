@@ -1,5 +1,5 @@
-//! Walkers and vehicles in buildings, parked cars, poles and other things that stand: by the triangles that are drawn, not by what the
-//! simulator takes for them.
+//! Walkers and vehicles in buildings, parked cars, poles and other things that stand: by the triangles that
+//! are drawn, not by what the simulator takes for them.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -6,8 +6,8 @@ use frames::math::sin_cos;
 
 use super::film::{Body, Film, Snap};
 
-/// Walkers that touch one another by less than this do not, and vehicles that miss something by less do touch: rounding,
-/// and what the solver keeps free between bodies that push each other, metres.
+/// Walkers that touch one another by less than this do not, and vehicles that miss something by less do
+/// touch: rounding, and what the solver keeps free between bodies that push each other, metres.
 const ROUNDING_M: f64 = 0.02;
 /// Wrecks push whoever comes as near as this, metres.
 const PUSHED_M: f64 = 0.1;

@@ -1,7 +1,7 @@
 //! Accidents and road works: what stands in a planned hazard for the whole scene.
 //!
-//! A hazard whose vehicles do not fit (an agent starts there, or another hazard lies there) is left out whole; of the
-//! other things only those that would touch something are.
+//! A hazard whose vehicles do not fit (an agent starts there, or another hazard lies there) is left out
+//! whole; of the other things only those that would touch something are.
 
 mod obstacle;
 mod obstacles;

@@ -18,8 +18,8 @@ const PLAIN: [u8; 3] = [150, 135, 110];
 
 /// Cars drive over what is no higher than this, metres.
 const UNDER_CARS_M: f64 = 0.15;
-/// Mass over volume of the box about vehicles, and about cones, tools, barrels and boards, kg/m3; nothing is lighter than this,
-/// kg.
+/// Mass over volume of the box about vehicles, and about cones, tools, barrels and boards, kg/m3; nothing is
+/// lighter than this, kg.
 const VEHICLE_KG_M3: f64 = 170.0;
 const LIGHT_KG_M3: f64 = 60.0;
 const LEAST_KG: f64 = 1.5;

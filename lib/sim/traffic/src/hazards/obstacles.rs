@@ -104,7 +104,8 @@ impl Obstacles {
         }
     }
 
-    /// The states of those that are logged at every frame: vehicles, and what was hit before. Rows come by id.
+    /// The states of those that are logged at every frame: vehicles, and what was hit before. Rows come by
+    /// id.
     pub(crate) fn states(&mut self, frame: i32, lamps: u32) -> impl Iterator<Item = StateRow> {
         for (_, first) in &mut self.adrift {
             first.get_or_insert(frame);

@@ -25,7 +25,8 @@ const CLEAR_M: f64 = 0.2;
 /// From the kerb to the middle of a sign on a sidewalk, metres: walkers get by.
 const KERB_M: f64 = 0.55;
 
-/// A sign before a hazard that begins at `at`; none where no strip beside the road is wide enough, or all is taken.
+/// A sign before a hazard that begins at `at`; none where no strip beside the road is wide enough, or all is
+/// taken.
 pub(super) fn before(
     map: &Map,
     at: LanePos,
@@ -49,11 +50,11 @@ pub(super) fn before(
     })
 }
 
-/// A place on the first sidewalk, shoulder or parking lane that is wide enough, to the right of a place on a lane; and the
-/// heading of traffic there.
+/// A place on the first sidewalk, shoulder or parking lane that is wide enough, to the right of a place on a
+/// lane; and the heading of traffic there.
 ///
-/// Kerbs, verges and cycle lanes are passed over, which the published rule does not have: ours are lanes of their own. On a
-/// sidewalk the sign stands at its edge and not in the middle.
+/// Kerbs, verges and cycle lanes are passed over, which the published rule does not have: ours are lanes of
+/// their own. On a sidewalk the sign stands at its edge and not in the middle.
 fn strip(map: &Map, from: LanePos) -> Option<(Point3<f64>, f64)> {
     let s = map.s_of(from)?;
     let road = map.lane_point(from.lane, s, 0.0)?;

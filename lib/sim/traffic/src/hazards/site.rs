@@ -13,20 +13,22 @@ use super::stretch::Stretch;
 use crate::scene::free_space::{Taken, apart};
 use crate::vehicle::doors;
 
-/// Cones stand this share of the lane's width to either side of its middle, and are off by up to so much, metres.
+/// Cones stand this share of the lane's width to either side of its middle, and are off by up to so much,
+/// metres.
 const CONE_ASIDE: f64 = 0.42;
 const CONE_JITTER_M: f64 = 0.2;
 /// The lone cone behind an accident is off by up to so much, metres.
 const LONE_CONE_JITTER_M: f64 = 1.0;
 /// From the middle of an emergency vehicle's place to where it stands, metres backwards.
 const EMERGENCY_BACK_M: f64 = 1.0;
-/// Walkers at an accident are off the gaps between vehicles by up to so much, things of road works off the lane's middle,
-/// metres.
+/// Walkers at an accident are off the gaps between vehicles by up to so much, things of road works off the
+/// lane's middle, metres.
 const WALKER_JITTER_M: f64 = 0.6;
 const ITEM_JITTER_M: f64 = 0.4;
 /// From the first barrier of road works to the first item, metres.
 const FIRST_ITEM_M: f64 = 2.0;
-/// Centreline to the next item after a small one, and after a large one or a worker, metres, before they are fitted to the length.
+/// Centreline to the next item after a small one, and after a large one or a worker, metres, before they are
+/// fitted to the length.
 const SMALL_STEP_M: [f64; 2] = [0.4, 1.6];
 const LARGE_STEP_M: [f64; 2] = [1.6, 3.2];
 /// What comes next in road works, all equally likely: small things, large things, a worker.
@@ -68,8 +70,8 @@ impl<'m, 't> Site<'m, 't> {
         Self { stretch, draw, missing_cones, things: Vec::new(), taken, catalogue }
     }
 
-    /// Puts everything in its place. None where the hazard does not fit; else the sign that warns of it, if one does, and
-    /// the way on the stretch from which its distance counts.
+    /// Puts everything in its place. None where the hazard does not fit; else the sign that warns of it, if
+    /// one does, and the way on the stretch from which its distance counts.
     pub(super) fn fill(&mut self, row: &PlanHazardRow) -> Option<Option<Warning>> {
         match row.kind {
             HazardKind::Accident => self.accident(row),
@@ -92,7 +94,8 @@ impl<'m, 't> Site<'m, 't> {
         free.then(|| self.things.push(thing))
     }
 
-    /// Front vehicle, rear vehicle, perhaps an emergency vehicle; people in the gaps between them; cones beside.
+    /// Front vehicle, rear vehicle, perhaps an emergency vehicle; people in the gaps between them; cones
+    /// beside.
     fn accident(&mut self, row: &PlanHazardRow) -> Option<Option<Warning>> {
         let models: Vec<&'static Model> =
             row.models.iter().filter_map(|name| self.catalogue.find(name)).collect();

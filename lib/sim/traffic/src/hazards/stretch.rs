@@ -33,7 +33,8 @@ impl<'a> Stretch<'a> {
         Some(Self { map, lanes, length_m })
     }
 
-    /// The place so many metres of s from the back, on the stretch, to the left of the lane's middle by a share of its width.
+    /// The place so many metres of s from the back, on the stretch, to the left of the lane's middle by a
+    /// share of its width.
     pub(super) fn at(&self, way_m: f64, left: f64) -> Option<LanePoint> {
         let pos = self.pos(way_m)?;
         let s = self.map.s_of(pos)?;

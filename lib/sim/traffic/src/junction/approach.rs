@@ -31,7 +31,8 @@ pub(crate) struct Line {
 /// What a driver makes of the line ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Approach {
-    /// Gap to the place to stop before the line, if it must not be passed, metres, and what the driver has to see there.
+    /// Gap to the place to stop before the line, if it must not be passed, metres, and what the driver has to
+    /// see there.
     pub(crate) line: Option<(f64, Class)>,
     /// Gap to the place to stop inside, metres.
     pub(crate) stop_gap_m: Option<f64>,
@@ -97,8 +98,8 @@ pub(crate) fn forbids(light: SignalState, speed_mps: f64, gap_m: f64) -> bool {
     can_stop && gap_m > -0.2
 }
 
-/// Drivers slow down towards lights of any colour and towards stop and yield signs; and never so fast that neither
-/// stopping nor passing within the yellow time is possible.
+/// Drivers slow down towards lights of any colour and towards stop and yield signs; and never so fast that
+/// neither stopping nor passing within the yellow time is possible.
 pub(crate) fn slow_down(vehicle: &Vehicle, net: &Net, unsignalised: bool, signed: bool, gap_m: f64) -> f64 {
     if unsignalised && !signed {
         return f64::INFINITY;

@@ -1,4 +1,5 @@
-//! Two vehicles whose ways through a junction meet: who is first, who waits where, and which gaps are long enough.
+//! Two vehicles whose ways through a junction meet: who is first, who waits where, and which gaps are long
+//! enough.
 
 use crate::car_following::{Idm, braking_to_stop, time_s};
 use crate::road::net::{ConflictArea, Lane, Net};
@@ -27,7 +28,8 @@ const IMPOSED_BRAKING: f64 = 1.2;
 /// Drivers brake before a place that will not be free in time from here, and in any case from here, m/s2.
 const EARLY_BRAKING: f64 = 1.2;
 const LATE_BRAKING: f64 = 2.5;
-/// Braking with which drivers fall behind one beside them whom they let go ahead where their ways merge, m/s2.
+/// Braking with which drivers fall behind one beside them whom they let go ahead where their ways merge,
+/// m/s2.
 const FALL_BACK_BRAKING: f64 = 1.2;
 /// Gap behind one who goes first that is enough where ways merge, metres.
 const MERGE_GAP_M: f64 = 2.0;
@@ -35,7 +37,8 @@ const MERGE_GAP_M: f64 = 2.0;
 const SLOW_SHARE: f64 = 0.4;
 const FAST_SHARE: f64 = 1.0;
 
-/// Half the width of the strip that a vehicle sweeps on a lane, metres: its front corners swing out, and what it tows cuts in.
+/// Half the width of the strip that a vehicle sweeps on a lane, metres: its front corners swing out, and what
+/// it tows cuts in.
 fn swept_half_width(vehicle: &Vehicle, lane: &Lane) -> f64 {
     let [inwards_m, outwards_m] = vehicle.reaches_m(lane.swing_radius_m);
     if vehicle.towed().is_some() { outwards_m.max(inwards_m) } else { outwards_m }
@@ -77,7 +80,8 @@ pub(crate) struct Conflict<'a> {
     rival: &'a Vehicle,
     mine: Crossing,
     theirs: Crossing,
-    /// Between the bumpers of the rival's rear and the own front, if both were on one lane; for ways that merge.
+    /// Between the bumpers of the rival's rear and the own front, if both were on one lane; for ways that
+    /// merge.
     gap_m: f64,
     merges: bool,
 }
@@ -94,7 +98,8 @@ pub(crate) enum Yielding {
 /// One who goes first where ways merge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MergeLeader {
-    /// Between its rear bumper and the own front, as if both were on one lane already, metres; negative beside each other.
+    /// Between its rear bumper and the own front, as if both were on one lane already, metres; negative
+    /// beside each other.
     pub(crate) gap_m: f64,
     /// From the own front to where the ways come too near each other, metres.
     pub(crate) to_begin_m: f64,
@@ -102,8 +107,8 @@ pub(crate) struct MergeLeader {
 }
 
 impl MergeLeader {
-    /// Acceleration with which a driver falls behind in time: braking a little from the beginning, and as hard as for a
-    /// leader only for one who is there.
+    /// Acceleration with which a driver falls behind in time: braking a little from the beginning, and as
+    /// hard as for a leader only for one who is there.
     pub(crate) fn answer(&self, idm: &Idm, speed_mps: f64, wished_mps: f64) -> f64 {
         let behind = |gap_m: f64| idm.following(speed_mps, wished_mps, gap_m, self.speed_mps);
         let there = behind(self.gap_m.max(self.to_begin_m));
@@ -117,8 +122,8 @@ impl MergeLeader {
 }
 
 impl<'a> Conflict<'a> {
-    /// Where a vehicle that is to be on a lane from `start_m` of its odometer on meets one that holds another lane; None
-    /// where nobody has to mind the other.
+    /// Where a vehicle that is to be on a lane from `start_m` of its odometer on meets one that holds another
+    /// lane; None where nobody has to mind the other.
     pub(crate) fn new(
         net: &'a Net,
         (me, lane, start_m): (&'a Vehicle, usize, f64),
@@ -131,8 +136,8 @@ impl<'a> Conflict<'a> {
         let zone = area.zone(together_m)?;
         let mine = Crossing::new(net, me, lane, start_m, zone.own_m);
         let theirs = Crossing::new(net, rival, area.other, held.start_m, zone.other_m);
-        // One who follows on a lane that both are on, no later than here, waits behind. On a ring those ahead come to the
-        // lanes of those behind them, too, at last.
+        // One who follows on a lane that both are on, no later than here, waits behind. On a ring those ahead
+        // come to the lanes of those behind them, too, at last.
         let mut before = rival.claim().reservations().iter().filter(|r| r.start_m <= held.start_m);
         let (mine_m, theirs_m) = (me.route().odometer_m(), rival.route().odometer_m());
         let follows = before.any(|r| {
@@ -144,8 +149,9 @@ impl<'a> Conflict<'a> {
         (!over).then_some(Self { net, lane, me, rival, mine, theirs, gap_m, merges: area.merges })
     }
 
-    /// Whether the rival goes first, who got its leave `earlier` or did not: what is in the place already is. Where ways
-    /// merge, those who are beside each other may both be: then the one goes first who is nearer to their common lane.
+    /// Whether the rival goes first, who got its leave `earlier` or did not: what is in the place already is.
+    /// Where ways merge, those who are beside each other may both be: then the one goes first who is nearer
+    /// to their common lane.
     pub(crate) fn rival_first(&self, earlier: bool) -> bool {
         let ahead_m = self.mine.to_lane_end_m - self.theirs.to_lane_end_m;
         match (self.mine.is_in(), self.theirs.is_in()) {
@@ -176,8 +182,8 @@ impl<'a> Conflict<'a> {
             .then_some(Yielding::Stop(gap_m))
     }
 
-    /// Whether the rival, on its way out of the place, stands so that it leaves room: as who queues behind the junction with
-    /// its rear still in it.
+    /// Whether the rival, on its way out of the place, stands so that it leaves room: as who queues behind
+    /// the junction with its rear still in it.
     fn stands_clear(&self) -> bool {
         let is_leaving = self.theirs.to_end_m < self.rival.rear_m() + BEHIND_M;
         if !is_leaving || !self.rival.stands() {
@@ -213,7 +219,8 @@ impl<'a> Conflict<'a> {
             && braking_to_stop(self.me.speed_mps(), self.mine.to_begin_m - BEFORE_M) < OWN_BRAKING
     }
 
-    /// Whether a driver may go before the rival, which then need not brake for it, or a little where the ways merge.
+    /// Whether a driver may go before the rival, which then need not brake for it, or a little where the ways
+    /// merge.
     pub(crate) fn accepts_gap_before(&self) -> bool {
         if self.merges {
             let gap_m = self.theirs.to_lane_end_m
@@ -233,8 +240,8 @@ impl<'a> Conflict<'a> {
         MergeLeader { gap_m: self.gap_m, to_begin_m: self.mine.to_begin_m, speed_mps: self.rival.speed_mps() }
     }
 
-    /// Whether the rival is far enough ahead, or will be with a little braking, when the own front comes to where the ways
-    /// are too near each other.
+    /// Whether the rival is far enough ahead, or will be with a little braking, when the own front comes to
+    /// where the ways are too near each other.
     fn falls_behind(&self) -> bool {
         let idm = self.me.driver().idm();
         // What the rival has to go until its rear is a gap beyond that place.

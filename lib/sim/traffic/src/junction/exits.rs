@@ -1,4 +1,5 @@
-//! The way through a junction and the room behind it: nobody sets off who would have to stop where others cross.
+//! The way through a junction and the room behind it: nobody sets off who would have to stop where others
+//! cross.
 
 use crate::junction::approach::Line;
 use crate::junction::reservations::ReservationTable;
@@ -9,21 +10,22 @@ use crate::vehicle::activity::Activity;
 
 /// Free space behind the rear of a vehicle that waits behind a junction, metres.
 const EXIT_MARGIN_M: f64 = 1.5;
-/// Vehicles between two junctions nearer than this are counted, so that none has to wait in the first one, metres.
+/// Vehicles between two junctions nearer than this are counted, so that none has to wait in the first one,
+/// metres.
 const STORED_M: f64 = 60.0;
 /// A vehicle behind a junction slower than this blocks it, m/s.
 const EXIT_SLOW_MPS: f64 = 5.0 / 3.6;
 
-/// What those claim who have been refused for long, in one step: those who are asked later get no leave across their
-/// lanes and into the lanes they want to get to.
+/// What those claim who have been refused for long, in one step: those who are asked later get no leave
+/// across their lanes and into the lanes they want to get to.
 #[derive(Debug, Default)]
 pub(crate) struct PriorityClaims {
     pub(crate) lanes: Vec<usize>,
     pub(crate) exits: Vec<usize>,
 }
 
-/// The lanes through the junction, and on through the next one where the stretch between is too short to wait on. Nobody
-/// waits before a lane with the right of way, so such a lane is no end of the stretch.
+/// The lanes through the junction, and on through the next one where the stretch between is too short to wait
+/// on. Nobody waits before a lane with the right of way, so such a lane is no end of the stretch.
 pub(crate) fn movement(net: &Net, vehicle: &Vehicle, line: &Line) -> Vec<(usize, f64)> {
     let need = vehicle.length_m() + EXIT_MARGIN_M;
     let mut through: Vec<(usize, f64)> = Vec::new();
@@ -142,7 +144,8 @@ impl Exit<'_> {
         behind_sleeper && need + stored <= stretch
     }
 
-    /// Room that those need who will wait before the line of the next junction, to which it is so far, metres.
+    /// Room that those need who will wait before the line of the next junction, to which it is so far,
+    /// metres.
     fn stored_m(&self, line_m: f64, next: usize) -> f64 {
         let leaves = |v: &Vehicle| {
             v.claim().reservations().iter().any(|r| self.net.lanes[r.lane].junction == Some(next))
@@ -176,7 +179,8 @@ impl Exit<'_> {
     }
 }
 
-/// Whether somebody has leave for a way through a junction that leads to a vehicle, and counts on its going on.
+/// Whether somebody has leave for a way through a junction that leads to a vehicle, and counts on its going
+/// on.
 pub(crate) fn is_counted_on(reservations: &ReservationTable, net: &Net, vehicle: &Vehicle) -> bool {
     // Lanes upstream with the way from their beginnings to the vehicle's rear.
     let mut open = vec![(vehicle.route().lane(), vehicle.route().along_m() - vehicle.rear_m())];

@@ -28,9 +28,10 @@ pub(crate) fn followed(net: &Net, occupancy: &Occupancy, vehicles: &[Vehicle]) -
     followed
 }
 
-/// Makes the leave of those who stand at the head of queues, for others who stand, as old as that of those behind them: an
-/// older leave behind a younger one would have the one at the head wait for somebody who waits for its queue. Returns the
-/// heads of the queues that those with leave stand in; None for those who move or stand at the head themselves.
+/// Makes the leave of those who stand at the head of queues, for others who stand, as old as that of those
+/// behind them: an older leave behind a younger one would have the one at the head wait for somebody who
+/// waits for its queue. Returns the heads of the queues that those with leave stand in; None for those who
+/// move or stand at the head themselves.
 pub(crate) fn pass_on_ages(net: &Net, occupancy: &Occupancy, vehicles: &mut [Vehicle]) -> Vec<Option<usize>> {
     let mut heads = vec![None; vehicles.len()];
     for me in 0..vehicles.len() {

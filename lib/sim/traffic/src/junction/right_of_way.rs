@@ -1,24 +1,26 @@
 //! Who may enter a junction: signals, signs, and by turns where ways cross.
 //!
-//! A driver may pass the line before a junction only with all lanes of its way through it reserved. Where the ways of
-//! two meet, the one whose reservation is older goes first. A later one is given if nobody who goes first stands, and
-//! the driver comes to the place when it is free, or behind the other one where ways merge; if something takes longer,
-//! it waits before the place. It is also given before one that has not passed its line and is so far away that it need
-//! not brake: that one asks again. Reservations end when the vehicle's rear has left the lane.
+//! A driver may pass the line before a junction only with all lanes of its way through it reserved. Where the
+//! ways of two meet, the one whose reservation is older goes first. A later one is given if nobody who goes
+//! first stands, and the driver comes to the place when it is free, or behind the other one where ways merge;
+//! if something takes longer, it waits before the place. It is also given before one that has not passed its
+//! line and is so far away that it need not brake: that one asks again. Reservations end when the vehicle's
+//! rear has left the lane.
 //!
-//! Nobody waits for ever inside: whoever waits there waits for an older reservation, or for who is ahead on its lane and
-//! has one as old; the oldest one can leave, because entry needs room behind the junction. Where ways are reserved in parts,
-//! the next part may be held by one who stands for who asks for it: it is given then, and with the age of the part before,
-//! or both would stand for good.
+//! Nobody waits for ever inside: whoever waits there waits for an older reservation, or for who is ahead on
+//! its lane and has one as old; the oldest one can leave, because entry needs room behind the junction. Where
+//! ways are reserved in parts, the next part may be held by one who stands for who asks for it: it is given
+//! then, and with the age of the part before, or both would stand for good.
 //!
-//! A ring is reserved in such parts, lane by lane: nobody crosses it, and who merges into it has a sign. Lanes like that
-//! have the right of way: they are no reason to ask for more of the way before, for room behind them, or to respect claims; and
-//! if all stand, who is on them goes before who waits to merge.
+//! A ring is reserved in such parts, lane by lane: nobody crosses it, and who merges into it has a sign.
+//! Lanes like that have the right of way: they are no reason to ask for more of the way before, for room
+//! behind them, or to respect claims; and if all stand, who is on them goes before who waits to merge.
 //!
-//! Requests are served by rank: who is inside, who waits for long, who has no sign and does not turn left at a light, the
-//! others; then in the order in which drivers came to the line, vehicle numbers breaking ties. Whoever has been refused
-//! for long claims its way and the room behind it, for some seconds at a time: those who come later get no leave across the
-//! one or into the other, so that a busy road does not starve a side street.
+//! Requests are served by rank: who is inside, who waits for long, who has no sign and does not turn left at
+//! a light, the others; then in the order in which drivers came to the line, vehicle numbers breaking ties.
+//! Whoever has been refused for long claims its way and the room behind it, for some seconds at a time: those
+//! who come later get no leave across the one or into the other, so that a busy road does not starve a side
+//! street.
 
 use crate::car_following::{COMFORT_BRAKING, braking_to_stop};
 use crate::junction::approach::{Approach, Line, OPEN, class_of, forbids, slow_down};
@@ -39,7 +41,8 @@ use schema::SignalState;
 const CREEPING_MPS: f64 = 1.0;
 /// Nobody means to stop nearer to a line than this, metres.
 const LINE_MARGIN_M: f64 = 0.5;
-/// Who stands within this distance of a line is at it, metres, and farther off where drivers stop farther off.
+/// Who stands within this distance of a line is at it, metres, and farther off where drivers stop farther
+/// off.
 const LINE_M: f64 = 7.0;
 /// Standing time at a stop sign, steps (2 s).
 const STOP_STEPS: u32 = 40;
@@ -87,7 +90,8 @@ impl Junctions<'_> {
         let entry = &self.net.lanes[line.entry];
         let class = class_of(entry);
         let speed = vehicle.speed_mps();
-        // Who is beyond the place to stop when its light changes, or asks again, stops before the line as it can.
+        // Who is beyond the place to stop when its light changes, or asks again, stops before the line as it
+        // can.
         let soonest_m = (speed * speed / (2.0 * COMFORT_BRAKING)).min(line.gap_m - LINE_MARGIN_M);
         let mut approach =
             Approach { line: Some(((line.gap_m - entry.line_gap_m).max(soonest_m), class)), ..OPEN };
@@ -98,8 +102,8 @@ impl Junctions<'_> {
         approach
     }
 
-    /// Whether the leader right before a line has leave for the junction behind it, where those who follow go with it: at
-    /// green, and on lanes with the right of way.
+    /// Whether the leader right before a line has leave for the junction behind it, where those who follow go
+    /// with it: at green, and on lanes with the right of way.
     fn leads_in(&self, vehicles: &[Vehicle], leader: &Leader, entry: &Lane, light: SignalState) -> bool {
         let leave = |r: &Reservation| self.net.lanes[r.lane].junction == entry.junction;
         (light == SignalState::Green || entry.right_of_way)
@@ -113,8 +117,8 @@ impl Junctions<'_> {
         let vehicle = &vehicles[me];
         let (driver, speed) = (vehicle.driver(), vehicle.speed_mps());
         let blind = driver.is_away(class_of(entry));
-        // Only the first in the queue asks, and where there is nobody to let pass those who follow one that has leave; at a
-        // green light from farther away.
+        // Only the first in the queue asks, and where there is nobody to let pass those who follow one that
+        // has leave; at a green light from farther away.
         let sees = !driver.is_away(Class::Vehicles);
         let leader = sees.then(|| self.occupancy.leader(self.net, vehicles, me)).flatten();
         let leader = leader.filter(|l| l.gap_m < line.gap_m - 0.5);
@@ -232,7 +236,8 @@ impl RightOfWay {
         line
     }
 
-    /// Those whom a vehicle meets on a lane, which it reaches at `start_m` of its odometer, with their reservations.
+    /// Those whom a vehicle meets on a lane, which it reaches at `start_m` of its odometer, with their
+    /// reservations.
     fn conflicts<'a>(
         &'a self,
         net: &'a Net,
@@ -250,7 +255,8 @@ impl RightOfWay {
         })
     }
 
-    /// Whether a vehicle yields, standing, to another one, or to somebody whose queue that one stands at the head of.
+    /// Whether a vehicle yields, standing, to another one, or to somebody whose queue that one stands at the
+    /// head of.
     fn yields_to(&self, vehicle: &Vehicle, who: usize) -> bool {
         let heads = |other: &usize| self.heads.get(*other).copied().flatten() == Some(who);
         vehicle.claim().yields_to().iter().any(|other| *other == who || heads(other))
@@ -282,7 +288,8 @@ impl RightOfWay {
         })
     }
 
-    /// Whether somebody behind a vehicle has leave for one of its lanes: the one ahead must not ask again after that.
+    /// Whether somebody behind a vehicle has leave for one of its lanes: the one ahead must not ask again
+    /// after that.
     fn is_followed(&self, vehicles: &[Vehicle], who: usize) -> bool {
         let to = |v: &Vehicle, r: &Reservation| r.start_m - v.route().odometer_m();
         vehicles[who].claim().reservations().iter().any(|own| {
@@ -293,7 +300,8 @@ impl RightOfWay {
         })
     }
 
-    /// What a vehicle does inside a junction, or near it, about those who go first; returns whom it yields to, standing.
+    /// What a vehicle does inside a junction, or near it, about those who go first; returns whom it yields
+    /// to, standing.
     fn give_way(&self, net: &Net, vehicles: &[Vehicle], me: usize, approach: &mut Approach) -> Vec<usize> {
         let vehicle = &vehicles[me];
         let (idm, speed) = (vehicle.driver().idm(), vehicle.speed_mps());
@@ -329,8 +337,8 @@ impl RightOfWay {
         yields_to
     }
 
-    /// Tries to reserve the whole way through the junction behind a line, across no lane and into no exit that another one
-    /// claims.
+    /// Tries to reserve the whole way through the junction behind a line, across no lane and into no exit
+    /// that another one claims.
     fn grant(
         &mut self,
         now: &Junctions<'_>,
@@ -342,8 +350,8 @@ impl RightOfWay {
         let (net, occupancy) = (now.net, now.occupancy);
         let movement = movement(net, &vehicles[me], line);
         let into = exit_of(net, &vehicles[me], &movement);
-        // Who is in a junction already must get out of it first, and claims are for those who wait, not for those who have
-        // the right of way.
+        // Who is in a junction already must get out of it first, and claims are for those who wait, not for
+        // those who have the right of way.
         let inside = !vehicles[me].claim().is_empty() || net.lanes[line.entry].right_of_way;
         let exit = (inside || into.is_none_or(|lane| !claims.exits.contains(&lane)))
             && has_exit(&self.table, net, occupancy, vehicles, me, &movement);
@@ -377,8 +385,8 @@ impl RightOfWay {
         true
     }
 
-    /// Reserves a way through junctions, as old as the reservations of those who are passed and as the own ones that others
-    /// stand for.
+    /// Reserves a way through junctions, as old as the reservations of those who are passed and as the own
+    /// ones that others stand for.
     fn reserve_movement(
         &mut self,
         net: &Net,
@@ -387,7 +395,8 @@ impl RightOfWay {
         movement: Vec<(usize, f64)>,
     ) {
         let odometer = vehicles[me].route().odometer_m();
-        // Whoever stands for this one on the way it has stands for it on the way it gets: its leave is as old.
+        // Whoever stands for this one on the way it has stands for it on the way it gets: its leave is as
+        // old.
         let age = vehicles[me].claim().oldest();
         let stood_for = vehicles.iter().any(|other| self.yields_to(other, me));
         for (lane, start) in movement {
@@ -410,14 +419,14 @@ impl RightOfWay {
     }
 }
 
-/// The order of two reservations, the older one before. One that was made as old as another one goes before it where it
-/// has the right of way.
+/// The order of two reservations, the older one before. One that was made as old as another one goes before
+/// it where it has the right of way.
 fn turn(net: &Net, held: &Reservation, who: usize) -> (u64, bool, usize) {
     (held.order, !net.lanes[held.lane].right_of_way, who)
 }
 
-/// Whether one that has the right of way on a lane may pass a rival with an older reservation: both stand, and the rival
-/// waits for somebody else.
+/// Whether one that has the right of way on a lane may pass a rival with an older reservation: both stand,
+/// and the rival waits for somebody else.
 fn lets_pass(net: &Net, vehicles: &[Vehicle], me: usize, lane: usize, rival: usize) -> bool {
     net.lanes[lane].right_of_way
         && vehicles[me].speed_mps() < CREEPING_MPS
@@ -425,8 +434,8 @@ fn lets_pass(net: &Net, vehicles: &[Vehicle], me: usize, lane: usize, rival: usi
         && !vehicles[rival].claim().yields_to().is_empty()
 }
 
-/// Whether a driver who has been refused for so long claims its way: for some seconds, then again after it has waited once
-/// more, as it may wait for somebody whom no claim moves.
+/// Whether a driver who has been refused for so long claims its way: for some seconds, then again after it
+/// has waited once more, as it may wait for somebody whom no claim moves.
 fn claims_way(refused_steps: u32) -> bool {
     refused_steps > PATIENCE_STEPS && (refused_steps - PATIENCE_STEPS) % PATIENCE_STEPS <= CLAIM_STEPS
 }

@@ -60,8 +60,8 @@ impl Centreline {
         Self::beside(map, lane, &|_| 0.0)
     }
 
-    /// Samples a line beside a lane's middle, so far to its left in the direction of travel as is told for its width; None where
-    /// that has no extent.
+    /// Samples a line beside a lane's middle, so far to its left in the direction of travel as is told for
+    /// its width; None where that has no extent.
     pub(crate) fn beside(map: &Map, lane: &LaneInfo, left_m: &dyn Fn(f64) -> f64) -> Option<Self> {
         let length = lane.s_length();
         let steps = (length / STEP_M).ceil().clamp(1.0, MAX_SAMPLES);
@@ -117,9 +117,9 @@ impl Centreline {
         self.samples[self.samples.len() - 1].point
     }
 
-    /// Moves the end of the way to a point, and the last `span_m` metres with it, less and less towards the beginning
-    /// of the stretch: by the smoothstep 3 u^2 - 2 u^3, whose slope is zero at both ends, so that the way's direction
-    /// there stays.
+    /// Moves the end of the way to a point, and the last `span_m` metres with it, less and less towards the
+    /// beginning of the stretch: by the smoothstep 3 u^2 - 2 u^3, whose slope is zero at both ends, so that
+    /// the way's direction there stays.
     pub(crate) fn bend_end(&mut self, to: Point3<f64>, span_m: f64) {
         let (off, straight_m) = (to - self.end(), self.length_m - span_m);
         let mut along_m = 0.0;
@@ -177,7 +177,8 @@ impl Centreline {
         }
     }
 
-    /// The place at a distance, before the beginning and beyond the end on the straight line that goes on there.
+    /// The place at a distance, before the beginning and beyond the end on the straight line that goes on
+    /// there.
     pub(crate) fn place_beyond(&self, along_m: f64) -> CentrelinePoint {
         let mut place = self.place(along_m);
         let over_m = along_m - along_m.clamp(0.0, self.length_m);
@@ -189,7 +190,8 @@ impl Centreline {
         place
     }
 
-    /// The nearest distance along the way to a point, and the point's offset to the left, by the chords of the samples.
+    /// The nearest distance along the way to a point, and the point's offset to the left, by the chords of
+    /// the samples.
     pub(crate) fn project(&self, point: Point3<f64>) -> (f64, f64) {
         let mut best = (f64::INFINITY, 0.0, 0.0);
         for pair in self.samples.windows(2) {
@@ -208,8 +210,8 @@ impl Centreline {
 }
 
 impl Centreline {
-    /// The distance along the way whose cross-section holds a point, and the point's offset to the left there, on the curve
-    /// itself. `near_m` is about right.
+    /// The distance along the way whose cross-section holds a point, and the point's offset to the left
+    /// there, on the curve itself. `near_m` is about right.
     pub(crate) fn cross(&self, point: Point3<f64>, near_m: f64) -> (f64, f64) {
         let mut along_m = near_m;
         let mut left_m = 0.0;
@@ -240,8 +242,8 @@ impl Centreline {
     }
 }
 
-/// Length of the way between two points with their directions of travel, metres: a circle's arc over its chord is half
-/// the turn over its sine.
+/// Length of the way between two points with their directions of travel, metres: a circle's arc over its
+/// chord is half the turn over its sine.
 fn arc_m(from: (&Point3<f64>, &Vector3<f64>), to: (&Point3<f64>, &Vector3<f64>)) -> f64 {
     let half_turn = 0.5 * frames::wrap_pi(heading(to.1) - heading(from.1)).abs();
     (to.0 - from.0).norm() * (1.0 + half_turn * half_turn / 6.0)

@@ -30,8 +30,8 @@ impl Intrusion {
         self.strip_m[1] - self.strip_m[0] >= width_m + 2.0 * LEAST_ASIDE_M
     }
 
-    /// Where the middle of a vehicle of a width may be that gets past: the rightmost and the leftmost place, metres left of
-    /// the lane's middle.
+    /// Where the middle of a vehicle of a width may be that gets past: the rightmost and the leftmost place,
+    /// metres left of the lane's middle.
     pub(crate) fn room_m(&self, width_m: f64) -> [f64; 2] {
         let [right, left] = self.strip_m;
         let half_m = 0.5 * (left - right).min(width_m + 2.0 * ASIDE_M);
@@ -79,7 +79,8 @@ impl Kerbside {
         self.0.get(&lane).map_or(&[], Vec::as_slice)
     }
 
-    /// Those on a lane that a vehicle of a width cannot pass: where their middles are, and half their lengths, metres.
+    /// Those on a lane that a vehicle of a width cannot pass: where their middles are, and half their
+    /// lengths, metres.
     pub(crate) fn blocking(&self, lane: usize, width_m: f64) -> impl Iterator<Item = (f64, f64)> {
         let all = self.on_lane(lane).iter().filter(move |i| !i.lets_by(width_m));
         all.map(|i| (0.5 * (i.along_m[0] + i.along_m[1]), 0.5 * (i.along_m[1] - i.along_m[0])))
@@ -90,7 +91,8 @@ impl Kerbside {
 mod tests {
     use super::*;
 
-    /// The intrusions of a parked vehicle on the lanes of a straight road: -1 is from 0 to -3.5, +1 from 0 to 3.5.
+    /// The intrusions of a parked vehicle on the lanes of a straight road: -1 is from 0 to -3.5, +1 from 0 to
+    /// 3.5.
     fn around(at: [f64; 2], yaw_rad: f64) -> (Net, Kerbside) {
         let net = Net::new(&testkit::straight(300.0));
         let mut kerbside = Kerbside::default();
@@ -107,7 +109,8 @@ mod tests {
         for (got, wanted) in found.along_m.iter().chain(&found.strip_m).zip([98.0, 102.0, -1.15, 2.05]) {
             assert!((got - wanted).abs() < 1e-6, "{found:?}");
         }
-        // 3.2 m: a vehicle of 2 m keeps 0.4 m off, one of 2.8 m as much on either side, one of 3.1 m does not get by.
+        // 3.2 m: a vehicle of 2 m keeps 0.4 m off, one of 2.8 m as much on either side, one of 3.1 m does not
+        // get by.
         for (width_m, room_m) in [(2.0, [0.25, 0.65]), (2.8, [0.45, 0.45])] {
             assert!(found.lets_by(width_m));
             let got = found.room_m(width_m);

@@ -1,7 +1,7 @@
 //! Which way leads to which, so that whoever follows them never jumps.
 //!
-//! Files link lanes whose ends lie apart (a lane that ends beside the one it is said to go on as, for one). There the
-//! way before is bent to meet the way after, as drivers do who change lanes.
+//! Files link lanes whose ends lie apart (a lane that ends beside the one it is said to go on as, for one).
+//! There the way before is bent to meet the way after, as drivers do who change lanes.
 
 use std::collections::BTreeMap;
 
@@ -12,15 +12,16 @@ use crate::road::centreline::Centreline;
 
 /// Ends nearer than this make one line, metres.
 const JOINT_M: f64 = 0.1;
-/// A way is bent over this many metres for each metre that its end is moved: 2 s at 50 km/h for a lane's width.
+/// A way is bent over this many metres for each metre that its end is moved: 2 s at 50 km/h for a lane's
+/// width.
 const BEND_M_PER_M: f64 = 8.0;
 /// Where there are fewer metres of way than this for each metre, nobody can drive the bend.
 const LEAST_BEND_M_PER_M: f64 = 2.5;
 /// Most lanes without extent in a row that a link leads over.
 const MAX_EMPTY: u8 = 3;
 
-/// For each way the ways that it leads on to, in the order of the map's links; a link to a lane without extent leads on
-/// to the lanes behind it.
+/// For each way the ways that it leads on to, in the order of the map's links; a link to a lane without
+/// extent leads on to the lanes behind it.
 pub(crate) fn links(map: &Map, ways: &[Centreline], index: &BTreeMap<LaneId, usize>) -> Vec<Vec<usize>> {
     let onward = |way: &Centreline| {
         let mut next = Vec::new();
@@ -39,8 +40,8 @@ pub(crate) fn links(map: &Map, ways: &[Centreline], index: &BTreeMap<LaneId, usi
     ways.iter().map(onward).collect()
 }
 
-/// Bends ways whose ends lie apart from where they lead on. Of branches that begin apart from one another those at the
-/// nearest beginning are kept; a way too short to be bent loses its links.
+/// Bends ways whose ends lie apart from where they lead on. Of branches that begin apart from one another
+/// those at the nearest beginning are kept; a way too short to be bent loses its links.
 pub(crate) fn join_ends(ways: &mut [Centreline], next: &mut [Vec<usize>]) {
     for (i, onward) in next.iter_mut().enumerate() {
         let end = ways[i].end();

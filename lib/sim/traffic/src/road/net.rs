@@ -18,8 +18,8 @@ const CURVE_ACCELERATION: f64 = 3.0;
 pub(crate) const PLANNED_BRAKING: f64 = 2.0;
 /// Centre lines nearer than this cannot be driven at the same time by any two vehicles, metres.
 pub(crate) const CONFLICT_M: f64 = 3.0;
-/// Centre lines nearer than these are too near for pairs of narrower and of wider vehicles, metres; the last holds for the
-/// longest ones.
+/// Centre lines nearer than these are too near for pairs of narrower and of wider vehicles, metres; the last
+/// holds for the longest ones.
 const NEAR_M: [f64; 3] = [CONFLICT_M, 4.7, 6.5];
 /// Pieces between two lanes of a junction that are shorter than this in all do not part them, metres.
 const SHORT_M: f64 = 5.0;
@@ -33,8 +33,8 @@ const LINE_GAP_M: f64 = 2.5;
 const SWING_GAP_M: f64 = 8.5;
 /// A turn ends beside a line within this distance, metres.
 const BESIDE_LINE_M: f64 = 6.5;
-/// Bends tighter than this, outside junctions, are shared like junctions: long vehicles there need their neighbours'
-/// lanes, too. Metres.
+/// Bends tighter than this, outside junctions, are shared like junctions: long vehicles there need their
+/// neighbours' lanes, too. Metres.
 const TIGHT_BEND_M: f64 = 22.0;
 /// Longest inner lane of a bend that is shared like a junction, metres.
 const LONGEST_BEND_M: f64 = 60.0;
@@ -77,7 +77,8 @@ impl ConflictArea {
 pub(crate) struct Lane {
     /// Its middle.
     pub(crate) centre: Centreline,
-    /// Metres of it that are wide enough for a vehicle: less than its length where it tapers off into nothing.
+    /// Metres of it that are wide enough for a vehicle: less than its length where it tapers off into
+    /// nothing.
     pub(crate) usable_m: f64,
     pub(crate) limit_mps: f64,
     /// The junction it is part of; tight bends count as junctions, numbered after those of the map.
@@ -90,14 +91,16 @@ pub(crate) struct Lane {
     pub(crate) curve_mps: Vec<f64>,
     /// Lanes that begin where this one does, with how far the two overlap, metres.
     pub(crate) diverging: Vec<(usize, f64)>,
-    /// Lanes outside junctions that end where this one does, with how far before the end the two overlap, metres.
+    /// Lanes outside junctions that end where this one does, with how far before the end the two overlap,
+    /// metres.
     pub(crate) merging: Vec<(usize, f64)>,
     pub(crate) conflicts: Vec<ConflictArea>,
     /// Smallest radius, metres.
     pub(crate) radius_m: f64,
     /// Smallest radius over so much way that long vehicles swing out fully, metres.
     pub(crate) swing_radius_m: f64,
-    /// How far before it drivers stop who must not enter it, metres: farther where others turn out beside the line.
+    /// How far before it drivers stop who must not enter it, metres: farther where others turn out beside the
+    /// line.
     pub(crate) line_gap_m: f64,
     /// Dynamic signals that control it (indices of the map).
     pub(crate) signals: Vec<usize>,
@@ -105,7 +108,8 @@ pub(crate) struct Lane {
     pub(crate) yield_sign: bool,
     /// +1 a left turn, -1 a right turn, 0 neither.
     pub(crate) turn: i8,
-    /// Nobody crosses it, and who merges into it has a sign to give way: a part of a ring, or of a main road beside a ramp.
+    /// Nobody crosses it, and who merges into it has a sign to give way: a part of a ring, or of a main road
+    /// beside a ramp.
     pub(crate) right_of_way: bool,
 }
 

@@ -24,9 +24,9 @@ pub(crate) struct Signals {
 }
 
 impl Signals {
-    /// Each controller shows green for its own drawn time, then yellow, then all show red, then the next controller
-    /// follows. All cycles begin with the simulation, or each some time before. Dynamic signals of a junction that no controller names form one
-    /// more controller each.
+    /// Each controller shows green for its own drawn time, then yellow, then all show red, then the next
+    /// controller follows. All cycles begin with the simulation, or each some time before. Dynamic signals of
+    /// a junction that no controller names form one more controller each.
     pub(crate) fn new(map: &Map, settings: &TrafficSettings, seed: u64, scene: u64) -> Self {
         let mut programs: Vec<Vec<Vec<usize>>> = Vec::new();
         let mut named: BTreeSet<usize> = BTreeSet::new();

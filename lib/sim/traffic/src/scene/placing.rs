@@ -37,7 +37,8 @@ use crate::walking::walking_group::{WalkingGroup, abreast, draw_sizes};
 const WAITS_S: [f64; 2] = [5.0, 90.0];
 /// Groups stand when a scene begins, and talk, so many times as often as those who are alone.
 const TALKS: f64 = 2.0;
-/// Shares of grown-up walkers on their feet who push a pram and who lead a dog, and how fast prams are at most, m/s.
+/// Shares of grown-up walkers on their feet who push a pram and who lead a dog, and how fast prams are at
+/// most, m/s.
 const PRAMS: f64 = 0.02;
 const DOGS: f64 = 0.03;
 const PRAM_MPS: f64 = 1.8;
@@ -145,8 +146,8 @@ fn take_along(model: &'static Model, speed_mps: f64, mut draw: Stream) -> (&'sta
     }
 }
 
-/// The walkers, each with whether it crosses roads anywhere: alone, in groups that begin where the first of them was to begin,
-/// or standing where people wait; groups who stand talk with one another.
+/// The walkers, each with whether it crosses roads anywhere: alone, in groups that begin where the first of
+/// them was to begin, or standing where people wait; groups who stand talk with one another.
 pub(crate) fn place_walkers(
     input: &SceneInput<'_>,
     streets: &Streets<'_>,

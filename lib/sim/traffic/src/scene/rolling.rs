@@ -1,4 +1,5 @@
-//! Traffic that is under way when a scene begins: each vehicle as fast as its driver wishes and can stop for what is ahead.
+//! Traffic that is under way when a scene begins: each vehicle as fast as its driver wishes and can stop for
+//! what is ahead.
 
 use crate::acceleration::before_line;
 use crate::car_following::Idm;
@@ -11,9 +12,9 @@ const ROUNDS: usize = 64;
 /// They are settled when none changes by more than this, m/s.
 const SETTLED_MPS: f64 = 0.01;
 
-/// The highest speed at which a driver behind something that moves at `ahead_mps` brakes no harder than it plans to, m/s: the
-/// intelligent driver model, `s0 + v T + v (v - u) / (2 sqrt(a b)) = s sqrt(p / a)`, solved for `v`. Nobody moves nearer than
-/// the gap at rest allows.
+/// The highest speed at which a driver behind something that moves at `ahead_mps` brakes no harder than it
+/// plans to, m/s: the intelligent driver model, `s0 + v T + v (v - u) / (2 sqrt(a b)) = s sqrt(p / a)`,
+/// solved for `v`. Nobody moves nearer than the gap at rest allows.
 fn following_mps(idm: &Idm, gap_m: f64, ahead_mps: f64) -> f64 {
     let room_m = gap_m * (PLANNED_BRAKING / idm.acceleration).sqrt() - idm.standstill_gap_m;
     if room_m <= 0.0 {
@@ -24,7 +25,8 @@ fn following_mps(idm: &Idm, gap_m: f64, ahead_mps: f64) -> f64 {
     (half * half + 2.0 * root * room_m).sqrt() - half
 }
 
-/// Lets all vehicles roll that stand where they start; nobody has leave to pass a line yet, so all can stop before the next.
+/// Lets all vehicles roll that stand where they start; nobody has leave to pass a line yet, so all can stop
+/// before the next.
 pub(crate) fn set_rolling(net: &Net, occupancy: &mut Occupancy, vehicles: &mut [Vehicle]) {
     for vehicle in vehicles.iter_mut() {
         // What is in view depends on the speed.

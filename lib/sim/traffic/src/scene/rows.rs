@@ -83,8 +83,8 @@ impl Snapshot {
     }
 }
 
-/// The rotation that turns one orientation into another, as its axis in the world times its angle, radians: the
-/// logarithm of the unit quaternion `now * before^-1`, the shorter way round.
+/// The rotation that turns one orientation into another, as its axis in the world times its angle, radians:
+/// the logarithm of the unit quaternion `now * before^-1`, the shorter way round.
 fn rotation_vector(before: &Pose<World, Object>, now: &Pose<World, Object>) -> Vector3<f64> {
     let turn = now.isometry().rotation * before.isometry().rotation.inverse();
     let (half_cos, axis) = (turn.w, turn.imag());

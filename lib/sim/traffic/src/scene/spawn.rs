@@ -264,8 +264,8 @@ impl TrainRoads<'_> {
     }
 }
 
-/// The lanes that a vehicle with its middle at a place and its rear so far behind came along, nearest first: of those that merge
-/// the first one. None where the road begins later.
+/// The lanes that a vehicle with its middle at a place and its rear so far behind came along, nearest first:
+/// of those that merge the first one. None where the road begins later.
 fn came_along(net: &Net, (lane, along_m): (usize, f64), rear_m: f64) -> Option<Vec<usize>> {
     let mut behind = Vec::new();
     let (mut at, mut left_m) = (lane, rear_m - along_m);
@@ -282,7 +282,8 @@ fn both(model: &Model) -> [f64; 2] {
     [0.5 * model.size_m[0]; 2]
 }
 
-/// The map's spawn points, but for those in tight bends, which are shared like junctions: lane and metres along it.
+/// The map's spawn points, but for those in tight bends, which are shared like junctions: lane and metres
+/// along it.
 fn spawn_points(map: &Map, net: &Net, separation_m: f64) -> Vec<(usize, f64)> {
     let place = |pos: LanePos| {
         let lane = net.find(pos.lane).filter(|&l| net.lanes[l].junction.is_none())?;
@@ -291,8 +292,8 @@ fn spawn_points(map: &Map, net: &Net, separation_m: f64) -> Vec<(usize, f64)> {
     map.spawn_points(separation_m).into_iter().filter_map(place).collect()
 }
 
-/// Moves a start along its lane so that the vehicle neither hangs back into a junction nor stands in the next one,
-/// as far as the lane is long enough.
+/// Moves a start along its lane so that the vehicle neither hangs back into a junction nor stands in the next
+/// one, as far as the lane is long enough.
 fn clear_of_junctions(net: &Net, lane: usize, along_m: f64, ends_m: [f64; 2]) -> f64 {
     let [front_m, rear_m] = ends_m.map(|end_m| end_m + 0.6);
     let facts = &net.lanes[lane];

@@ -9,7 +9,8 @@ use crate::vehicle::attention::{Attention, Class, Sight};
 
 /// Nobody stops nearer to a leader than this, metres.
 const LEAST_GAP_M: f64 = 0.5;
-/// Time gap that drivers keep, seconds: with the drawn standing gaps, queues of cars clear at some 1,600 vehicles per hour and lane.
+/// Time gap that drivers keep, seconds: with the drawn standing gaps, queues of cars clear at some 1,600
+/// vehicles per hour and lane.
 const HEADWAY_S: f64 = 0.6;
 
 /// What a driver is like.

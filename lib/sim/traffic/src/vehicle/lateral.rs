@@ -27,8 +27,8 @@ impl LateralTransition {
         self.gone_m < self.span_m
     }
 
-    /// Place to the left of the lane's middle after some more metres of way, and its change per metre of way: a quintic
-    /// whose slope and curvature are zero at both ends.
+    /// Place to the left of the lane's middle after some more metres of way, and its change per metre of way:
+    /// a quintic whose slope and curvature are zero at both ends.
     fn offset_after(&self, on_m: f64) -> [f64; 2] {
         let u = ((self.gone_m + on_m) / self.span_m).clamp(0.0, 1.0);
         let share = u * u * u * (10.0 - u * (15.0 - 6.0 * u));
@@ -48,8 +48,8 @@ struct Swerve {
 }
 
 impl Swerve {
-    /// Place to the left after some more metres of way, and its change per metre of way: a quintic without curvature at both
-    /// ends and without slope at the second one.
+    /// Place to the left after some more metres of way, and its change per metre of way: a quintic without
+    /// curvature at both ends and without slope at the second one.
     fn offset_after(&self, on_m: f64) -> [f64; 2] {
         let u = ((self.gone_m + on_m) / self.span_m).clamp(0.0, 1.0);
         let (square, v) = (u * u, 1.0 - u);
@@ -109,7 +109,8 @@ impl Lateral {
         self.change.as_ref()
     }
 
-    /// Place to the left of the lane's middle after some more metres of way, metres, and its change per metre of way.
+    /// Place to the left of the lane's middle after some more metres of way, metres, and its change per metre
+    /// of way.
     pub(crate) fn offset_after(&self, on_m: f64) -> [f64; 2] {
         let transitions = self.change.iter().map(|c| c.transition).chain(self.seam);
         let swerve = self.swerve.map(|s| s.offset_after(on_m));
@@ -134,8 +135,8 @@ impl Lateral {
         self.swerve = Some(Swerve { from_m, slope, to_m, span_m, gone_m: 0.0 });
     }
 
-    /// The lane goes on beside where the vehicle is, which is `left_m` left of its middle: what no lane change explains of
-    /// that wears off.
+    /// The lane goes on beside where the vehicle is, which is `left_m` left of its middle: what no lane
+    /// change explains of that wears off.
     pub(crate) fn cross_seam(&mut self, left_m: f64, span_m: f64) {
         self.seam = None;
         self.seam = Some(LateralTransition::new(left_m - self.offset_after(0.0)[0], span_m));

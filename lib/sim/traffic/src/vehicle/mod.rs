@@ -1,4 +1,5 @@
-//! A vehicle, in parts that each own what they change: others read them, and change them by what is meant to happen.
+//! A vehicle, in parts that each own what they change: others read them, and change them by what is meant to
+//! happen.
 //!
 //! [`Route`]: where it goes. [`Motion`]: where it is. [`Lateral`]: what it is off its lane's middle. [`Driver`]: who drives.
 //! [`LaneChoice`]: which lane it asks for. [`Claim`]: what is reserved for it in junctions. [`Doors`]: which are open. [`Towed`]: what
@@ -42,8 +43,8 @@ const STANDING_MPS: f64 = 0.3;
 const NEAR_M: f64 = 40.0;
 /// Routes are drawn so much farther than drivers look, metres.
 const BEYOND_VIEW_M: f64 = 60.0;
-/// Drivers make room for what reaches into their lane from so far before it on, metres and seconds, until they are so far
-/// past it, metres; they go back over so much way.
+/// Drivers make room for what reaches into their lane from so far before it on, metres and seconds, until
+/// they are so far past it, metres; they go back over so much way.
 const ASIDE_FROM_M: f64 = 10.0;
 const ASIDE_FROM_S: f64 = 3.0;
 const ASIDE_PAST_M: f64 = 0.5;
@@ -219,7 +220,8 @@ impl Vehicle {
         NEAR_M + 2.0 * speed + speed * speed / (2.0 * PLANNED_BRAKING)
     }
 
-    /// The lanes of the route with the way from the vehicle's middle to their beginnings (negative for the first).
+    /// The lanes of the route with the way from the vehicle's middle to their beginnings (negative for the
+    /// first).
     pub(crate) fn lanes_ahead<'a>(&'a self, net: &'a Net) -> impl Iterator<Item = (usize, f64)> + 'a {
         self.route.lanes_ahead(net)
     }
@@ -248,7 +250,8 @@ impl Vehicle {
         next.map_or(f64::INFINITY, |(_, start)| start - self.half_length_m())
     }
 
-    /// From the front to the place to stop at the end of a road that leads nowhere, metres, where one is in view.
+    /// From the front to the place to stop at the end of a road that leads nowhere, metres, where one is in
+    /// view.
     pub(crate) fn end_of_road_m(&self, net: &Net) -> Option<f64> {
         let leads_on = self.route.last().is_some_and(|l| !net.lanes[l].next.is_empty());
         let end = self.lanes_ahead(net).last().map_or(0.0, |(lane, start)| start + net.lanes[lane].usable_m);

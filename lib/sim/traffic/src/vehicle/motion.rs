@@ -1,4 +1,5 @@
-//! How a vehicle moves: its followed point on the route by exactly the way that its speed asks for, its body after it.
+//! How a vehicle moves: its followed point on the route by exactly the way that its speed asks for, its body
+//! after it.
 
 use catalogue::{BaseType, Model, trains::Train};
 use frames::{Object, Pose, World};
@@ -21,7 +22,8 @@ const EXACT_M: f64 = 1e-5;
 const TRIALS: usize = 12;
 /// Who brakes and is slower than this stands, m/s.
 const STANDS_MPS: f64 = 0.004;
-/// Where ways meet less exactly than this, what is left wears off, metres; over how many seconds, and metres at least.
+/// Where ways meet less exactly than this, what is left wears off, metres; over how many seconds, and metres
+/// at least.
 const SEAM_M: f64 = 1e-3;
 const WEARS_OFF_S: f64 = 1.0;
 const WEARS_OFF_M: f64 = 3.0;
@@ -49,7 +51,8 @@ pub(crate) fn hitch(train: &Train, at: Point3<f64>, yaw_rad: f64, pitch_rad: f64
     at - Vector3::new(cos, sin, -frames::math::tan(pitch_rad)) * train.hitch_m
 }
 
-/// Where a vehicle is, how fast it goes, and how its body stands. The followed point is the middle of its footprint.
+/// Where a vehicle is, how fast it goes, and how its body stands. The followed point is the middle of its
+/// footprint.
 #[derive(Debug)]
 pub(crate) struct Motion {
     /// The followed point, on the road, with the road's slopes there.
@@ -123,12 +126,14 @@ impl Motion {
         hitch(train, self.at.point, self.yaw_rad, self.at.pitch_rad)
     }
 
-    /// What of its pose's roll and pitch is lean on its springs, radians; that of two-wheelers is theirs, wheels and all.
+    /// What of its pose's roll and pitch is lean on its springs, radians; that of two-wheelers is theirs,
+    /// wheels and all.
     pub(crate) fn lean_rad(&self, model: &Model) -> [f64; 2] {
         if is_two_wheeled(model) { [0.0; 2] } else { [self.sway.roll_rad, self.sway.pitch_rad] }
     }
 
-    /// Pose on the slope under it, leaning on its springs: the slope is given along the road, the body may be askew.
+    /// Pose on the slope under it, leaning on its springs: the slope is given along the road, the body may be
+    /// askew.
     pub(crate) fn world_from_object(&self) -> Pose<World, Object> {
         let (at, sway) = (&self.at, &self.sway);
         let (sin, cos) = frames::math::sin_cos(self.yaw_rad - at.heading_rad);
@@ -137,8 +142,9 @@ impl Motion {
         Pose::from_xyz_rpy(at.point.into(), [roll + sway.roll_rad, pitch + sway.pitch_rad, self.yaw_rad])
     }
 
-    /// Metres along the lane to the place that lies a way on in space from where the vehicle is, which is at `from_m` on this
-    /// lane: fewer than that way while crossing over, more on the inside of a bend. By secants, from a guess.
+    /// Metres along the lane to the place that lies a way on in space from where the vehicle is, which is at
+    /// `from_m` on this lane: fewer than that way while crossing over, more on the inside of a bend. By
+    /// secants, from a guess.
     fn along_after(&self, course: &Course<'_>, from_m: f64, step_m: f64, guess_m: f64) -> f64 {
         let (mut before, mut along_m) = ((from_m, -step_m), guess_m);
         for _ in 0..TRIALS {
@@ -148,16 +154,17 @@ impl Motion {
             }
             let slope = (off_m - before.1) / (along_m - before.0);
             before = (along_m, off_m);
-            // Way in space grows with way along the lane, at half to twice its rate in any bend that is driven.
+            // Way in space grows with way along the lane, at half to twice its rate in any bend that is
+            // driven.
             let slope = if slope.is_finite() { slope.clamp(0.3, 3.0) } else { 1.0 };
             along_m = (along_m - off_m / slope).clamp(from_m, from_m + 4.0 * step_m);
         }
         along_m
     }
 
-    /// Moves the followed point a way on in space, over to the next lanes where they begin. Where the ends of two ways do not
-    /// meet, or meet at an angle while the vehicle is beside their middles, it does not jump: what it is then off the new
-    /// way wears off.
+    /// Moves the followed point a way on in space, over to the next lanes where they begin. Where the ends of
+    /// two ways do not meet, or meet at an angle while the vehicle is beside their middles, it does not jump:
+    /// what it is then off the new way wears off.
     fn go(&mut self, course: &mut Course<'_>, step_m: f64) {
         let mut from_m = course.route.along_m();
         course.route.advance_to(self.along_after(course, from_m, step_m, from_m + step_m));
@@ -180,8 +187,9 @@ impl Motion {
         self.at = course.point_at(course.route.along_m());
     }
 
-    /// Moves the followed point one step along its course, and turns the body after it: the rear axle never slides
-    /// sideways (the kinematic bicycle with its reference in the middle between the axles). Returns whether it moved.
+    /// Moves the followed point one step along its course, and turns the body after it: the rear axle never
+    /// slides sideways (the kinematic bicycle with its reference in the middle between the axles). Returns
+    /// whether it moved.
     pub(super) fn advance(&mut self, course: &mut Course<'_>, model: &Model, acceleration_mps2: f64) -> bool {
         let dt = FRAME_PERIOD_S;
         let mut speed = (self.speed_mps + acceleration_mps2 * dt).max(0.0);
@@ -247,7 +255,8 @@ impl Motion {
         self.crashed = true;
     }
 
-    /// Takes over where the body of a crashed vehicle has skidded to, on the plane of the last place on its route.
+    /// Takes over where the body of a crashed vehicle has skidded to, on the plane of the last place on its
+    /// route.
     pub(super) fn skid_to(&mut self, body: &BodyMotion, model: &Model) {
         let at = &mut self.at;
         let (sin, cos) = frames::math::sin_cos(at.heading_rad);
@@ -277,8 +286,8 @@ impl Course<'_> {
         &self.net.lanes[self.route.lane()].centre
     }
 
-    /// The followed point at a distance along the lane it is on, or along its straight continuation: in the middle, or
-    /// beside it.
+    /// The followed point at a distance along the lane it is on, or along its straight continuation: in the
+    /// middle, or beside it.
     fn point_at(&self, along_m: f64) -> CentrelinePoint {
         let mut at = self.lane().place_beyond(along_m);
         let [left, slope] = self.lateral.offset_after(0.0);
@@ -293,8 +302,8 @@ impl Course<'_> {
     }
 }
 
-/// Heading of a rod whose front end is dragged straight on from one place to another, while its hind end, `rod_m` behind,
-/// rolls after it: tan(slip / 2) decays with the way over the rod's length.
+/// Heading of a rod whose front end is dragged straight on from one place to another, while its hind end,
+/// `rod_m` behind, rolls after it: tan(slip / 2) decays with the way over the rod's length.
 pub(crate) fn after_rod(yaw_rad: f64, moved: &Vector3<f64>, rod_m: f64) -> f64 {
     let way = (moved.x * moved.x + moved.y * moved.y).sqrt();
     if way < 1e-9 {

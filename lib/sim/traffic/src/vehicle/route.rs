@@ -33,7 +33,8 @@ pub(crate) struct Route {
 /// What else the route of a vehicle knows that tows another one.
 #[derive(Debug)]
 struct TrainRoute {
-    /// For each lane how long it can drive on from its beginning over lanes that are wide enough, seconds, and what is enough.
+    /// For each lane how long it can drive on from its beginning over lanes that are wide enough, seconds,
+    /// and what is enough.
     ways_s: Arc<[f64]>,
     enough_s: f64,
     /// The lanes that it comes from, the last one at the end, as far as what is towed may be on them.
@@ -67,8 +68,9 @@ impl Route {
         Self { stream, lanes, along_m, odometer_m: 0.0, changed_m: 0.0, turn_lane: None, train: None }
     }
 
-    /// The same for a vehicle that tows another one: for each lane how long it can drive on from there, and for how long it
-    /// has to, seconds; the lanes that it came from, nearest first, and how far back the other one may be on them, metres.
+    /// The same for a vehicle that tows another one: for each lane how long it can drive on from there, and
+    /// for how long it has to, seconds; the lanes that it came from, nearest first, and how far back the
+    /// other one may be on them, metres.
     pub(crate) fn of_train(
         self,
         net: &Net,
@@ -115,7 +117,8 @@ impl Route {
     fn draw_next(&mut self, net: &Net, lane: usize) -> Option<usize> {
         let next = &net.lanes[lane].next;
         let Some(train) = &self.train else { return self.stream.choose(next).copied() };
-        // Where none leads on for long enough, the one that leads on for longest does, as it did from the beginning.
+        // Where none leads on for long enough, the one that leads on for longest does, as it did from the
+        // beginning.
         let longest_s = next.iter().map(|&l| train.ways_s[l]).fold(0.0, f64::max);
         let least_s = longest_s.min(train.enough_s);
         let wide: Vec<usize> = next.iter().copied().filter(|&l| train.ways_s[l] >= least_s).collect();
@@ -184,7 +187,8 @@ impl Route {
         }
     }
 
-    /// Having come to another lane, draws whether to take the turn lane that opens beside it: all ways on are as likely.
+    /// Having come to another lane, draws whether to take the turn lane that opens beside it: all ways on are
+    /// as likely.
     pub(crate) fn choose_turn_lane(&mut self, net: &Net) {
         self.turn_lane = None;
         if self.train.is_some() {

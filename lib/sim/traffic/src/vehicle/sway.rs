@@ -4,15 +4,16 @@ use frames::math::atan;
 
 /// Acceleration due to gravity, m/s2.
 const GRAVITY: f64 = 9.81;
-/// Pitch and roll of a body on springs, radians per m/s2: half a degree of pitch in comfortable braking, 0.9 degrees of roll
-/// in a brisk curve.
+/// Pitch and roll of a body on springs, radians per m/s2: half a degree of pitch in comfortable braking, 0.9
+/// degrees of roll in a brisk curve.
 const PITCH_PER_MPS2: f64 = 0.0035;
 const ROLL_PER_MPS2: f64 = 0.005;
 /// Largest of both, radians: wheels have two centimetres of room inward.
 const MOST_RAD: [f64; 2] = [0.03, 0.025];
 /// Largest lean of two-wheelers, radians.
 const MOST_LEAN_RAD: f64 = 0.45;
-/// Natural frequency of bodies (1.3 Hz), radians per second, and their share of critical damping; of leaning riders.
+/// Natural frequency of bodies (1.3 Hz), radians per second, and their share of critical damping; of leaning
+/// riders.
 const SPRING: [f64; 2] = [8.2, 0.7];
 const RIDER: [f64; 2] = [6.0, 1.0];
 
@@ -41,8 +42,8 @@ pub(crate) struct Sway {
 }
 
 impl Sway {
-    /// One step of `dt` seconds under an acceleration along the heading and one to the left, m/s2: oscillators towards the
-    /// lean at rest, stepped implicitly (stable for any step).
+    /// One step of `dt` seconds under an acceleration along the heading and one to the left, m/s2:
+    /// oscillators towards the lean at rest, stepped implicitly (stable for any step).
     pub(crate) fn step(&mut self, ahead: f64, left: f64, springs: &Springs, dt: f64) {
         let (pitch, roll, [frequency, damping]) = if *springs == Springs::Rider {
             // Gravity and the push outwards balance along the rider.

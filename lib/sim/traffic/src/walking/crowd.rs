@@ -1,9 +1,9 @@
-//! How walkers keep out of one another's way and off what stands there: each looks at those around and picks a velocity;
-//! whatever it picks, nobody takes a step into somebody or something.
+//! How walkers keep out of one another's way and off what stands there: each looks at those around and picks
+//! a velocity; whatever it picks, nobody takes a step into somebody or something.
 //!
-//! Walkers are discs about their boxes. A velocity costs what it is slower than wished and off the wished line, and, for
-//! the first one met on it within [`LOOK_S`], the more the sooner. Right is a little cheaper than left, so that two who
-//! meet head on go to different sides.
+//! Walkers are discs about their boxes. A velocity costs what it is slower than wished and off the wished
+//! line, and, for the first one met on it within [`LOOK_S`], the more the sooner. Right is a little cheaper
+//! than left, so that two who meet head on go to different sides.
 
 use nalgebra::{Point3, Vector2};
 use schema::FRAME_PERIOD_S;
@@ -19,8 +19,8 @@ const LOOK_S: f64 = 3.0;
 const SPARE_M: f64 = 0.12;
 /// Space left beside things where there is a choice, metres.
 const BESIDE_M: f64 = 0.05;
-/// Fastest change of velocity, m/s2; those who run turn as tightly as those who walk, so they may push off harder by this
-/// for each m/s.
+/// Fastest change of velocity, m/s2; those who run turn as tightly as those who walk, so they may push off
+/// harder by this for each m/s.
 const PUSH_MPS2: f64 = 4.0;
 const PUSH_PER_S: f64 = 3.0;
 /// Fastest step aside, m/s.
@@ -139,8 +139,8 @@ impl Crowd {
         own.velocity_mps + change * (most / change.norm().max(most))
     }
 
-    /// The part of a step that walker `me` can take without coming into somebody or something: all of it, what of it leads
-    /// past the one in the way, or nothing.
+    /// The part of a step that walker `me` can take without coming into somebody or something: all of it,
+    /// what of it leads past the one in the way, or nothing.
     pub(crate) fn step(&self, me: usize, step: Vector2<f64>, fixtures: &Fixtures) -> Vector2<f64> {
         let Some(own) = self.discs.get(me) else { return Vector2::zeros() };
         // The way towards whoever or whatever is first found in the way of a step.

@@ -40,8 +40,8 @@ fn beyond_m(lanes: &[LaneInfo], outermost: &LaneInfo) -> f64 {
     used.map(|l| l.width_range_m[1]).sum()
 }
 
-/// The edges of all roads that people walk along: outside the outermost lane, where no other lane lies and no bridge or tunnel
-/// leaves the ground; in junctions those that lead from one such edge to another.
+/// The edges of all roads that people walk along: outside the outermost lane, where no other lane lies and no
+/// bridge or tunnel leaves the ground; in junctions those that lead from one such edge to another.
 pub(crate) fn edges(map: &Map, net: &Net) -> Vec<Centreline> {
     let (mut of_roads, mut of_junctions) = (Vec::new(), Vec::new());
     for (road, facts) in map.network().roads.iter().enumerate() {

@@ -67,8 +67,8 @@ impl Fixture {
         world.try_normalize(1e-9).unwrap_or(self.ahead)
     }
 
-    /// When a point that moves comes nearer to the box than some distance, seconds (the box's corners taken square); none
-    /// if it never does or is as near already.
+    /// When a point that moves comes nearer to the box than some distance, seconds (the box's corners taken
+    /// square); none if it never does or is as near already.
     pub(crate) fn entered_s(
         &self,
         point: &Point3<f64>,

@@ -137,7 +137,8 @@ impl Paths {
         Some((way, stream.uniform(0.0, self.ways[way].length_m)))
     }
 
-    /// Places for walkers, each near an agent: the first of up to 20 tries; without one the walker is left out.
+    /// Places for walkers, each near an agent: the first of up to 20 tries; without one the walker is left
+    /// out.
     pub(crate) fn draw_starts(
         &self,
         count: u32,
@@ -167,7 +168,8 @@ impl Paths {
             .collect()
     }
 
-    /// A place on the surface of a way and the way's heading, `share` (-1 to 1) of the free width left of its middle.
+    /// A place on the surface of a way and the way's heading, `share` (-1 to 1) of the free width left of its
+    /// middle.
     pub(crate) fn point(&self, way: usize, along_m: f64, share: f64) -> (Point3<f64>, f64) {
         let place = self.ways[way].place(along_m);
         let room = free_m(place.width_m);
@@ -188,8 +190,8 @@ impl Paths {
         self.opposite[way]
     }
 
-    /// The way straight over the road from a sidewalk to the one on the other side: where it starts, and how far along the
-    /// other one it ends; none where it is too long.
+    /// The way straight over the road from a sidewalk to the one on the other side: where it starts, and how
+    /// far along the other one it ends; none where it is too long.
     pub(crate) fn across(&self, way: usize, other: usize, along_m: f64) -> Option<(Point3<f64>, f64)> {
         let from = self.point(way, along_m, 0.0).0;
         let to_m = self.ways[other].project(from).0;

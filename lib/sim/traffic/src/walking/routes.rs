@@ -1,8 +1,8 @@
 //! Where walkers go: destinations, and the shortest ways there over sidewalks and crossings.
 //!
-//! The graph's nodes are places on sidewalks: their ends, where crosswalks begin, and stations between, from which those
-//! who may cross anywhere go straight over to the other sidewalk. A metre of road costs [`ROAD_COST`] times a metre of
-//! sidewalk, but on crosswalks.
+//! The graph's nodes are places on sidewalks: their ends, where crosswalks begin, and stations between, from
+//! which those who may cross anywhere go straight over to the other sidewalk. A metre of road costs
+//! [`ROAD_COST`] times a metre of sidewalk, but on crosswalks.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, VecDeque};
@@ -185,8 +185,8 @@ impl Routes {
         self.centres.iter().any(|c| (c - point).norm() < self.radius_m)
     }
 
-    /// A route to a new destination: by area, of those near an agent that can be reached; where there is none, on the same
-    /// sidewalk. With `forward`, tries to find one that begins this way.
+    /// A route to a new destination: by area, of those near an agent that can be reached; where there is
+    /// none, on the same sidewalk. With `forward`, tries to find one that begins this way.
     pub(crate) fn draw(
         &self,
         paths: &Paths,

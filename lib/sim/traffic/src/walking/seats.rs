@@ -35,14 +35,15 @@ pub(crate) fn on_bench(bench: &ActorRow, pose: &Pose<World, Object>) -> [Seat; 2
     })
 }
 
-/// Whether somebody of a model may sit: grown-ups of the catalogue who have nothing with them and no uniform. Children's feet would not
-/// reach the ground, and who comes from a pack has clothes that only hang.
+/// Whether somebody of a model may sit: grown-ups of the catalogue who have nothing with them and no uniform.
+/// Children's feet would not reach the ground, and who comes from a pack has clothes that only hang.
 fn may_sit(model: &Model) -> bool {
     let child = model.facts().get(&Attribute::Age) == Some("child");
     !model.is_of_pack() && model.special == Special::None && model.wheel_radius_m == 0.0 && !child
 }
 
-/// The seat that somebody takes who waits beside some, if anybody does: a free one, from which they keep others off.
+/// The seat that somebody takes who waits beside some, if anybody does: a free one, from which they keep
+/// others off.
 pub(crate) fn take(seats: &[Seat], model: &Model, crowd: &Crowd, draw: &mut Stream) -> Option<Seat> {
     if seats.is_empty() || !may_sit(model) || !draw.chance(SIT) {
         return None;

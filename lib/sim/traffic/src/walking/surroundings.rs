@@ -11,7 +11,8 @@ use crate::walking::paths::{Crossing, Paths};
 use crate::walking::routes::Routes;
 use schema::SignalState;
 
-/// A light that turned red for the traffic this short a time ago is as good as one that stays red long enough, seconds.
+/// A light that turned red for the traffic this short a time ago is as good as one that stays red long
+/// enough, seconds.
 const JUST_RED_S: f64 = 2.0;
 /// Vehicles are looked for this far upstream, metres.
 const LOOK_M: f64 = 60.0;

@@ -19,8 +19,9 @@ const LEAST_GAP_M: f64 = 0.15;
 /// The ring is moved along the way by up to half as many half metres to where there is room.
 const TRIES: u32 = 60;
 
-/// Places for a group of some size about a place where people wait, all on its way and looking at one another, the first of them
-/// at an angle from the way's direction; none where there is no room for all. `radius_m` is the largest of theirs.
+/// Places for a group of some size about a place where people wait, all on its way and looking at one
+/// another, the first of them at an angle from the way's direction; none where there is no room for all.
+/// `radius_m` is the largest of theirs.
 pub(crate) fn ring(
     paths: &Paths,
     fixtures: &Fixtures,

@@ -44,7 +44,8 @@ const TURN_MPS: f64 = 0.4;
 /// Whoever is as near to a lane's middle is on it for drivers, metres.
 const LANE_SIDE_M: f64 = 2.5;
 
-/// Who is in the way of a vehicle's corner steps back as fast as this, m/s, and looks this far ahead, seconds.
+/// Who is in the way of a vehicle's corner steps back as fast as this, m/s, and looks this far ahead,
+/// seconds.
 const STEPS_BACK_MPS: f64 = 1.4;
 const STEPS_BACK_S: f64 = 0.5;
 /// It looks for room this far around, metres.
@@ -299,7 +300,8 @@ impl Walker {
         self.trips += 1;
     }
 
-    /// Moves a walker who would start in another one along its sidewalk to the nearest place where it does not.
+    /// Moves a walker who would start in another one along its sidewalk to the nearest place where it does
+    /// not.
     pub(crate) fn find_room(&mut self, paths: &Paths, fixtures: &Fixtures, crowd: &Crowd) {
         let length = paths.ways[self.way].length_m;
         let stands = matches!(self.mode, Mode::Obstacles { .. });
@@ -463,7 +465,8 @@ impl Walker {
         }
     }
 
-    /// The wish of one beside the road whom a long vehicle's corner may come to: out of its way, or not into it.
+    /// The wish of one beside the road whom a long vehicle's corner may come to: out of its way, or not into
+    /// it.
     fn avoid_swept_path(&self, sweeps: &SweptPaths, wish: DesiredVelocity) -> DesiredVelocity {
         let left = Vector2::new(-wish.ahead.y, wish.ahead.x);
         let after =
@@ -609,8 +612,8 @@ impl Walker {
         }
     }
 
-    /// Whether the road is clear long enough; an impatient walker only asks that everyone can stop. At lights also whether
-    /// they hold the traffic, but for those who cross anywhere.
+    /// Whether the road is clear long enough; an impatient walker only asks that everyone can stop. At lights
+    /// also whether they hold the traffic, but for those who cross anywhere.
     fn may_go(&self, around: &Surroundings<'_>, crossing: &Crossing, impatient: bool) -> bool {
         let length = (crossing.ends[1] - crossing.ends[0]).norm();
         let needed_s = length / self.speed_mps + 1.0;

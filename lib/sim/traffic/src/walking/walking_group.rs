@@ -19,8 +19,8 @@ pub(crate) struct WalkingGroup {
     pub(crate) others: Vec<usize>,
 }
 
-/// The sizes of the groups that walkers set out in, one after another, so that this share of all walks with others; 1 is
-/// somebody who walks alone.
+/// The sizes of the groups that walkers set out in, one after another, so that this share of all walks with
+/// others; 1 is somebody who walks alone.
 pub(crate) fn draw_sizes(count: usize, share: f64, stream: &dyn Fn(u64) -> Stream) -> Vec<usize> {
     // Of g groups a walker alone: q m / (q m + 1 - q) walk with others.
     let begins = share / (MEAN_SIZE - share * (MEAN_SIZE - 1.0));

@@ -1,4 +1,5 @@
-//! What happens when something is touched: parked vehicles, cones, people beside the road, others at one's side.
+//! What happens when something is touched: parked vehicles, cones, people beside the road, others at one's
+//! side.
 
 use crate::common::{
     agent, collisions, hazard, lights, parked, run_beside, run_with, scene, settings, straight, touch,
@@ -18,7 +19,8 @@ fn size(log: &SimulationLog, id: u16) -> [f64; 2] {
     [actor.length_m, actor.width_m]
 }
 
-/// How far the first vehicle's footprint, made smaller by a margin on each side, meets that of something parked.
+/// How far the first vehicle's footprint, made smaller by a margin on each side, meets that of something
+/// parked.
 fn meets(log: &SimulationLog, id: u16, thing: &ActorRow, margin_m: f64) -> bool {
     let at = StateRow { xyz_m: thing.xyz_m, quaternion: thing.quaternion, ..StateRow::default() };
     let own = size(log, id).map(|v| v - 2.0 * margin_m);
@@ -197,8 +199,8 @@ fn each_overlooks_what_it_is_said_to_overlook() {
     }
 }
 
-/// Two roads of one lane each, to the east: the second lane's middle lies 3.6 m to the right of the first one's, but from 210
-/// to 290 m as near as told.
+/// Two roads of one lane each, to the east: the second lane's middle lies 3.6 m to the right of the first
+/// one's, but from 210 to 290 m as near as told.
 fn squeezed(apart_m: f64) -> Map {
     let first = straight(600.0).network().roads[0].clone();
     let mut lanes = first.sections[0].clone();
@@ -270,8 +272,8 @@ fn two_who_graze_drive_on() {
 
 #[test]
 fn a_car_out_of_control_hits_people_on_the_sidewalk() {
-    // A lorry stands askew on the left half of the lane: who drives against it at full speed is thrown to the right, onto the
-    // sidewalk, which lies from -3.5 to -6.5.
+    // A lorry stands askew on the left half of the lane: who drives against it at full speed is thrown to the
+    // right, onto the sidewalk, which lies from -3.5 to -6.5.
     let lorry = parked([120.0, 0.2, 0.0], -0.45, [8.0, 2.4, 3.0]);
     let mut struck = 0;
     for seed in 0..6 {
@@ -285,7 +287,8 @@ fn a_car_out_of_control_hits_people_on_the_sidewalk() {
             let walkers = log.actors.iter().filter(|a| a.kind == ActorKind::Walker);
             let thrown: Vec<f64> = walkers
                 .filter_map(|w| {
-                    // Nobody gains 1.5 m/s within a step by walking, but for runners, who do not lie there in the end.
+                    // Nobody gains 1.5 m/s within a step by walking, but for runners, who do not lie there in
+                    // the end.
                     let lies = tracks[&w.id][440..].iter().all(|s| s.velocity_mps == [0.0; 3]);
                     let hit = tracks[&w.id].windows(2).filter(|_| lies).find(|p| {
                         let gained = [0, 1].map(|k| f64::from(p[1].velocity_mps[k] - p[0].velocity_mps[k]));

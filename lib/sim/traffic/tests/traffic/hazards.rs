@@ -75,7 +75,8 @@ fn vehicles_of_an_accident_stand_at_their_places() {
         assert_eq!((log.hazards.len(), info.kind), (1, HazardKind::Accident));
         assert!((area_m2(&info.area_m) - 26.0 * 3.5).abs() < 1e-6);
         assert!(log.actors.iter().zip(1..).all(|(a, id)| a.id == id));
-        // Vehicles have lamps and doors and so a state at each of the 21 moments, always the same place; others have none.
+        // Vehicles have lamps and doors and so a state at each of the 21 moments, always the same place;
+        // others have none.
         for thing in things(&log) {
             let states: Vec<&StateRow> = log.states.iter().filter(|s| s.id == thing.id).collect();
             assert_eq!(
@@ -124,7 +125,8 @@ fn road_works_lie_between_two_barriers() {
         assert!(kinds.len() <= 1, "{kinds:?}");
     }
     assert_eq!(barriers, 60);
-    // Five of twenty things have two cones, of which 32 % are missing: 408 of 600, some more skipped beside wide things.
+    // Five of twenty things have two cones, of which 32 % are missing: 408 of 600, some more skipped beside
+    // wide things.
     assert!((330..=450).contains(&cones), "{cones}");
 }
 
@@ -241,7 +243,8 @@ fn signs_stand_before_hazards_beside_the_road() {
         assert_eq!(sign.model, "sign.accident");
         let [x, y, z] = sign.xyz_m;
         assert!((262.0 - 160.0..=262.0 - 40.0).contains(&x), "{sign:?}");
-        // Just inside the kerb of the sidewalk, which is 3.5 to 6.5 m from the middle of the road; it looks west.
+        // Just inside the kerb of the sidewalk, which is 3.5 to 6.5 m from the middle of the road; it looks
+        // west.
         assert!((y + 4.05).abs() < 1e-9 && z.abs() < 1e-9, "{sign:?}");
         assert!(yaw(sign.quaternion).abs() > 170f64.to_radians() - 1e-9, "{sign:?}");
         signs += usize::from(x < 262.0 - 100.0);

@@ -14,9 +14,10 @@ const LONGEST_S: f64 = 60.0;
 /// Of the capacity of a real roundabout, as much on every arm, and on all together.
 const LEAST_SHARE: [f64; 2] = [0.4, 0.55];
 
-/// Vehicles per hour that come in by each arm of a one-lane roundabout if all arms are full and half of those on the ring
-/// leave it at each arm: those who pass an arm are then as many as those who come in there, and the capacity of an entry
-/// is 1380 exp(-0.00102 v) for v vehicles that pass (Highway Capacity Manual, 6th edition, equation 22-1).
+/// Vehicles per hour that come in by each arm of a one-lane roundabout if all arms are full and half of those
+/// on the ring leave it at each arm: those who pass an arm are then as many as those who come in there, and
+/// the capacity of an entry is 1380 exp(-0.00102 v) for v vehicles that pass (Highway Capacity Manual, 6th
+/// edition, equation 22-1).
 fn capacity_vph() -> f64 {
     (0..100).fold(600.0f64, |q, _| 0.5 * (q + 1380.0 * frames::math::exp(-0.00102 * q)))
 }
@@ -65,7 +66,8 @@ fn full_queues_flow_round_a_small_ring() {
 
 #[test]
 fn full_queues_flow_round_a_ring() {
-    // Scenes that stood for good where who is ahead may have a younger leave, and where who stands keeps its turn.
+    // Scenes that stood for good where who is ahead may have a younger leave, and where who stands keeps its
+    // turn.
     [1, 3].into_iter().for_each(|seed| full_queues_flow(18.0, seed));
 }
 

@@ -41,7 +41,8 @@ fn no_seam_makes_a_vehicle_faster_or_slower() {
         // What drivers can do at most, and the speed limits' ends.
         let [braking, acceleration] = extremes(&log);
         assert!(braking > -8.01 && acceleration < 3.01, "{k}: {braking} {acceleration}");
-        // Nor is one pushed sideways: 3 m/s2 of the bend, 2 m/s2 of the way over, and the angle, turned over a metre or so.
+        // Nor is one pushed sideways: 3 m/s2 of the bend, 2 m/s2 of the way over, and the angle, turned over
+        // a metre or so.
         for pair in track.windows(2) {
             let turned = frames::wrap_pi(yaw(pair[1].quaternion) - yaw(pair[0].quaternion));
             assert!(turned.abs() / 0.05 * speed(pair[1]) < 7.0, "{:?}", pair[1]);
@@ -50,8 +51,8 @@ fn no_seam_makes_a_vehicle_faster_or_slower() {
     assert!(straddled >= 2, "{straddled} crossed over the seam");
 }
 
-/// The speed that a driver wishes for on a free road at a place, m/s: its share of the highest limit of the lanes there,
-/// 50 km/h where the map states none; bicycles go no faster than 8 m/s.
+/// The speed that a driver wishes for on a free road at a place, m/s: its share of the highest limit of the
+/// lanes there, 50 km/h where the map states none; bicycles go no faster than 8 m/s.
 fn wish_mps(map: &Map, state: &StateRow, driver: f64, model: &str) -> f64 {
     let lanes = map.lanes_within(state.xyz_m.into(), 2.0, |l| l.lane_type.is_drivable());
     let limits = lanes.iter().filter_map(|hit| map.lane(hit.lane)).map(|l| l.speed_limit_mps);
@@ -60,7 +61,8 @@ fn wish_mps(map: &Map, state: &StateRow, driver: f64, model: &str) -> f64 {
     (limit * (1.0 - driver)).min(most)
 }
 
-/// Speeds of all vehicles of a log over what their drivers wish for: of all states, and of those who go evenly for a second.
+/// Speeds of all vehicles of a log over what their drivers wish for: of all states, and of those who go
+/// evenly for a second.
 fn speeds_over_wishes(map: &Map, log: &SimulationLog) -> [Vec<f64>; 2] {
     let tracks = tracks(log);
     let mut found = [Vec::new(), Vec::new()];
@@ -121,7 +123,8 @@ fn on_a_circle_the_wheels_roll_where_they_point() {
         let rider = PlanAgentRow { model: model.into(), ..agent(0, [5.0, -1.75, 0.0], 0.0) };
         let log = run(&circle(radius_m), &scene(40.0), &[rider], &settings());
         let base = models::find(model).expect("a model").wheelbase_m;
-        // The middle between the axles goes round on the circle, the rear axle on a smaller one about the same point.
+        // The middle between the axles goes round on the circle, the rear axle on a smaller one about the
+        // same point.
         let rear_m = (radius_m * radius_m - 0.25 * base * base).sqrt();
         let expected = atan(base / rear_m);
         let track = &tracks(&log)[&1];

@@ -129,7 +129,8 @@ fn boxes_touch_by_their_sides_not_by_their_circles() {
         shot.car(still(60.0 + gap, 0.0, FRAC_PI_2));
         assert_eq!(shot.touching(&map).ordinary.len(), touches, "{gap}");
     }
-    // At 45 degrees the first one's corner meets the other's long side: across that, 0.92 + (2.35 + 0.92) / sqrt 2.
+    // At 45 degrees the first one's corner meets the other's long side: across that, 0.92 + (2.35 + 0.92) /
+    // sqrt 2.
     let reach = 2f64.sqrt() * 0.92 + (2.35 + 0.92);
     for (gap, touches) in [(reach + 0.01, 1), (reach + 0.04, 0)] {
         let mut shot = Shot::new(1.0);
@@ -197,7 +198,8 @@ fn headways_are_those_of_the_queue_from_the_fourth_car_on() {
     let queue = |models: [&str; 6]| {
         let mut shot = Shot::new(25.0);
         for (k, model) in models.into_iter().enumerate() {
-            // 1 m before the line and 8 m behind one another; each sets off a second after the one before, at 8 m/s.
+            // 1 m before the line and 8 m behind one another; each sets off a second after the one before, at
+            // 8 m/s.
             let k = k as f64;
             let half = 0.5 * models::find(model).expect("a model").size_m[0];
             shot.add(model, "ordinary", towards_line(11.0 + half + 8.0 * k, 8.0, 5.0 + k));
@@ -332,13 +334,15 @@ fn walkers_in_things_are_found_by_what_is_drawn() {
         thing(101, ActorKind::Building, "building.block", [12.0, 20.0, 15.0], [60.0, 20.0, -0.1]),
         thing(102, ActorKind::Parked, "car.wagon", [4.78, 1.83, 1.48], [100.0, 5.0, 0.0]),
         thing(103, ActorKind::Vegetation, "tree.round", [5.0, 5.0, 7.0], [140.0, 5.0, 0.0]),
-        // Its pole stands at the rear end of its box, 1.07 m west of the middle; the lamp hangs over the others.
+        // Its pole stands at the rear end of its box, 1.07 m west of the middle; the lamp hangs over the
+        // others.
         thing(104, ActorKind::Pole, "pole.lamp", [2.4, 0.28, 7.5], [181.07, 5.0, 0.0]),
         thing(105, ActorKind::Surface, "surface.road", [300.0, 300.0, 0.0], [150.0, 0.0, 0.0]),
     ];
     let fixed: Vec<&ActorRow> = fixed.iter().collect();
     for (y, found) in [
-        // Through the car, the trunk and the pole, then half a metre beside the car and past all, then in the house.
+        // Through the car, the trunk and the pole, then half a metre beside the car and past all, then in the
+        // house.
         (5.0, vec![102, 103, 104]),
         (6.35, vec![]),
         (20.0, vec![101]),

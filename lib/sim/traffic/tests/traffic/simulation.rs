@@ -43,8 +43,8 @@ fn apart(map: &Map) -> Vec<Point3<f64>> {
     links.filter_map(|(a, b)| Some((a?, b?))).filter(|(a, b)| (a - b).norm() > 0.1).map(|(a, _)| a).collect()
 }
 
-/// Largest distance of a vehicle from the middle of a driving lane, but for the 30 m before lane ends that lie apart, and
-/// for lane changes (blinking outside junctions).
+/// Largest distance of a vehicle from the middle of a driving lane, but for the 30 m before lane ends that
+/// lie apart, and for lane changes (blinking outside junctions).
 fn worst_offset(map: &Map, log: &SimulationLog) -> f64 {
     let apart = apart(map);
     let vehicles: Vec<u16> =
@@ -137,7 +137,8 @@ fn a_slower_vehicle_is_passed_where_the_marks_allow_it() {
         assert_eq!(fast[600].xyz_m[0] > slow[600].xyz_m[0] + 50.0, passes);
         let left = fast.iter().any(|s| s.xyz_m[1] > -2.0);
         assert_eq!(left, passes);
-        // Over in about 3.7 s, a little faster as it gains speed: sideways at most 15/8 of the mean (a quintic).
+        // Over in about 3.7 s, a little faster as it gains speed: sideways at most 15/8 of the mean (a
+        // quintic).
         let sideways = |i: usize| (fast[i].xyz_m[1] - fast[i - 1].xyz_m[1]) / 0.05;
         let fastest = (1..601).map(|i| sideways(i).abs()).fold(0.0, f64::max);
         assert!(fastest < 2.2, "{fastest}");

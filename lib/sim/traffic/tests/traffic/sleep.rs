@@ -101,7 +101,8 @@ fn nobody_sleeps_in_a_junction() {
             let last = track[800];
             if distances(&watched, track)[500..].iter().all(|d| *d > 60.0) {
                 asleep += usize::from(speed(last) == 0.0);
-                // Ways cross within 5 m of the middle; in a queue, a rear may stand over the line 5 m farther out.
+                // Ways cross within 5 m of the middle; in a queue, a rear may stand over the line 5 m farther
+                // out.
                 let (sin, cos) = frames::math::sin_cos(yaw(last.quaternion));
                 let ends = [-0.5, 0.5].map(|part| [cos, sin].map(|v| part * length_m * v));
                 let inside = |end: &[f64; 2]| (0..2).all(|k| (last.xyz_m[k] + end[k]).abs() < 5.0);

@@ -1,4 +1,5 @@
-//! How a scene begins: traffic at rest or under way, lights all at the beginning of their cycle or each somewhere in it.
+//! How a scene begins: traffic at rest or under way, lights all at the beginning of their cycle or each
+//! somewhere in it.
 
 use crate::common::{
     agent, agents_on, collisions, crossing, queues_at_roundabout, roundabout, run, scene, settings, straight,

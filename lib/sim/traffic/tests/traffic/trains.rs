@@ -202,7 +202,8 @@ fn scenery(map: &Map, agents: &[schema::tables::PlanAgentRow]) -> Vec<ActorRow> 
     fixed
 }
 
-/// Points on the outline of what is towed that are over a sidewalk, most of them at a time, and how deep, metres.
+/// Points on the outline of what is towed that are over a sidewalk, most of them at a time, and how deep,
+/// metres.
 fn over_sidewalks(map: &Map, log: &SimulationLog) -> (usize, f64, Vec<String>) {
     let tracks = tracks(log);
     let (mut looked, mut deepest) = (0, 0.0_f64);

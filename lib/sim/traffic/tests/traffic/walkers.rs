@@ -51,7 +51,8 @@ fn walkers_never_overlap_and_all_get_on() {
         let (mut steps, mut at_the_edge) = (0, 0);
         for actor in log.actors.iter().filter(|a| a.kind == ActorKind::Walker) {
             let track = &tracks[&actor.id];
-            // On the sidewalk, 3.5 to 6.5 m from the middle, and but for some who are pushed aside with the feet well on it.
+            // On the sidewalk, 3.5 to 6.5 m from the middle, and but for some who are pushed aside with the
+            // feet well on it.
             let margins_m = track.iter().map(|s| (s.xyz_m[1].abs() - 3.5).min(6.5 - s.xyz_m[1].abs()));
             let least_m = margins_m.clone().fold(f64::INFINITY, f64::min);
             assert!(least_m >= 0.0, "seed {seed}: {} comes within {least_m} m of an edge", actor.model);
@@ -63,7 +64,8 @@ fn walkers_never_overlap_and_all_get_on() {
                 let way: f64 = part.windows(2).map(|p| (p[1].xyz_m[0] - p[0].xyz_m[0]).abs()).sum();
                 assert!(way > 3.0, "seed {seed}: {} walks {way} m in 15 s", actor.id);
             }
-            // Nobody leaps: aside at most 0.8 m/s, but for what is turned at the ends, and where a crowd pushes.
+            // Nobody leaps: aside at most 0.8 m/s, but for what is turned at the ends, and where a crowd
+            // pushes.
             for pair in track.windows(2) {
                 let aside = (pair[1].xyz_m[1] - pair[0].xyz_m[1]).abs() / 0.05;
                 assert!(aside < 1.5, "seed {seed}: {aside} m/s aside");
@@ -323,7 +325,8 @@ fn groups_who_stand_face_one_another_and_walk_on_together() {
         let near: Vec<(u16, [f64; 2])> = near.collect();
         let yaw =
             frames::Pose::<frames::World, frames::Object>::from_xyz_wxyz(own.xyz_m, own.quaternion).yaw();
-        // Each of two or three others of a ring is within 60 degrees of straight ahead: in a ring of three within 30.
+        // Each of two or three others of a ring is within 60 degrees of straight ahead: in a ring of three
+        // within 30.
         let ahead = |[dx, dy]: [f64; 2]| frames::wrap_pi(frames::math::atan2(dy, dx) - yaw).abs() < 0.6;
         let met = near.iter().filter(|(_, way)| ahead(*way)).count();
         talking += u32::from((1..=2).contains(&met));

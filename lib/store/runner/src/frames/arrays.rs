@@ -35,7 +35,8 @@ pub trait FrameArrays: Sync {
     /// The archives, in the order of a frame's arrays.
     fn kinds(&self) -> Vec<&'static ArrayKind>;
 
-    /// What the archives say of themselves, for who reads them without the configuration: a JSON object, or nothing.
+    /// What the archives say of themselves, for who reads them without the configuration: a JSON object, or
+    /// nothing.
     ///
     /// # Errors
     /// It cannot be written down.
@@ -193,8 +194,8 @@ impl Writer<OfFrame> for Archives<'_> {
     }
 }
 
-/// Writes labels one after the other: the arrays of those of the frames `0..frames` at which each has some, an archive of each
-/// kind among its unit's files, and what was counted.
+/// Writes labels one after the other: the arrays of those of the frames `0..frames` at which each has some,
+/// an archive of each kind among its unit's files, and what was counted.
 ///
 /// # Errors
 /// The first error in order, a wish to stop, or an archive cannot be written.
@@ -207,8 +208,8 @@ pub fn write_labels<'u, L: FrameArrays + Send>(
     in_turn(parts, frames, progress, SharedLabel::frame)
 }
 
-/// A label stage: the arrays of every agent, each agent's archives and counts a unit of their own. `label` gives an agent's
-/// label by its position in the log, or `None` where it is not wanted.
+/// A label stage: the arrays of every agent, each agent's archives and counts a unit of their own. `label`
+/// gives an agent's label by its position in the log, or `None` where it is not wanted.
 ///
 /// # Errors
 /// As [`write_labels`].

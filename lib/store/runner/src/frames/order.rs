@@ -10,7 +10,8 @@ use std::thread::{self, ScopedJoinHandle};
 use crate::{Progress, StageError};
 use rayon::{Scope, Yield};
 
-/// Frames in hand beyond those that threads work on: one is being taken and one may wait for that while others are begun.
+/// Frames in hand beyond those that threads work on: one is being taken and one may wait for that while
+/// others are begun.
 const WAITING: usize = 2;
 
 /// Parts opened and not yet ended, beyond the one whose frames are being begun.
@@ -51,11 +52,12 @@ enum Step<T> {
     Broken(StageError),
 }
 
-/// Computes `frame` for the due frames of some parts on all threads and hands the results to the parts' writers in their order,
-/// part by part, on the calling thread, while further frames are computed. Each part is ended on a thread of its own while the
-/// next one's frames are computed and taken: no thread waits until its files are synced. A part is taken from `parts` when its
-/// first frame is begun. At most two frames more than there are threads are in hand at a time, so memory stays bounded; the
-/// result does not depend on the number of threads. Each part counts for `frames` in `progress`.
+/// Computes `frame` for the due frames of some parts on all threads and hands the results to the parts'
+/// writers in their order, part by part, on the calling thread, while further frames are computed. Each part
+/// is ended on a thread of its own while the next one's frames are computed and taken: no thread waits until
+/// its files are synced. A part is taken from `parts` when its first frame is begun. At most two frames more
+/// than there are threads are in hand at a time, so memory stays bounded; the result does not depend on the
+/// number of threads. Each part counts for `frames` in `progress`.
 ///
 /// # Errors
 /// The first error in order, of any of the functions, or a wish to stop.

@@ -1,5 +1,5 @@
-//! Digests of settings stand in the manifests of finished stores: an equal configuration must give equal ones, however the
-//! settings are declared and read.
+//! Digests of settings stand in the manifests of finished stores: an equal configuration must give equal
+//! ones, however the settings are declared and read.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,5 @@
-//! Writing fails: whatever was being written, the error names the file and the cause, and nothing committed is lost.
+//! Writing fails: whatever was being written, the error names the file and the cause, and nothing committed
+//! is lost.
 
 use std::io::{self, Write};
 use std::sync::Arc;

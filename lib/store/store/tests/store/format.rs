@@ -1,5 +1,5 @@
-//! Stores of other versions. `tests/data/format-1` is a store as the first version wrote it: it stays as it is, and
-//! every later program of that format reads it.
+//! Stores of other versions. `tests/data/format-1` is a store as the first version wrote it: it stays as it
+//! is, and every later program of that format reads it.
 
 use std::path::Path;
 

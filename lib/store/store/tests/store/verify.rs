@@ -1,4 +1,5 @@
-//! A store that is checked: what is faulty, what does not belong, what is missing, what is only in the making.
+//! A store that is checked: what is faulty, what does not belong, what is missing, what is only in the
+//! making.
 
 use std::io::Write;
 
@@ -64,7 +65,8 @@ fn stages_that_failed_say_why(bench: &Bench) {
 
 fn what_is_in_the_making_is_no_stray(bench: &Bench) {
     run(&bench.store, "c", false, &["vehicle_0", "vehicle_1"]).expect("runs");
-    // A forced try that ends after its first unit: a record of it, one that the manifest is set aside, a file begun.
+    // A forced try that ends after its first unit: a record of it, one that the manifest is set aside, a file
+    // begun.
     run_half(&bench.store, "c", true);
     let mut hand = bench.store.backend().create("scenes/0007/x.parquet", STAGE).expect("creates");
     hand.write_all(b"half").expect("writes");

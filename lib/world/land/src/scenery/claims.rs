@@ -1,8 +1,8 @@
 //! Who stands where several would.
 //!
-//! All candidates of a kind are looked at at once. Each has a rank of its own, drawn from what it is; it stands if no
-//! candidate of a higher rank is in its way, whether that one stands or not. So whether something stands depends on what is
-//! beside it and no farther, and no order of making things matters.
+//! All candidates of a kind are looked at at once. Each has a rank of its own, drawn from what it is; it
+//! stands if no candidate of a higher rank is in its way, whether that one stands or not. So whether
+//! something stands depends on what is beside it and no farther, and no order of making things matters.
 
 use std::collections::BTreeMap;
 

@@ -82,7 +82,8 @@ impl Frontage {
         })
     }
 
-    /// Distance from the start of the point that is nearest to a place of the plan, and how far it is, metres.
+    /// Distance from the start of the point that is nearest to a place of the plan, and how far it is,
+    /// metres.
     pub(crate) fn nearest(&self, x: f64, y: f64) -> Option<[f64; 2]> {
         let away = self.points.iter().map(|p| (p.x - x) * (p.x - x) + (p.y - y) * (p.y - y));
         let (k, square) = away.enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;

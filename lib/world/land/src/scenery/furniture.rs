@@ -22,7 +22,8 @@ struct Lamp {
     yaw_rad: f64,
 }
 
-/// Street lamps at the kerb of sidewalks, their heads over the road; beside fast roads without sidewalks, too.
+/// Street lamps at the kerb of sidewalks, their heads over the road; beside fast roads without sidewalks,
+/// too.
 pub(crate) fn lamps(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, drafts: &mut Vec<Draft>) {
     let spacing = site.rules.lamp_spacing_m.max(5.0);
     let mut candidates = Vec::new();

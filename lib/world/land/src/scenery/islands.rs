@@ -1,4 +1,5 @@
-//! Ground that the carriageway encloses and that is no place for a house: islands in roundabouts and between lanes.
+//! Ground that the carriageway encloses and that is no place for a house: islands in roundabouts and between
+//! lanes.
 
 use std::f32::consts::PI;
 use std::ops::Range;
@@ -7,14 +8,15 @@ use crate::surfaces::{Cover, Ground, Raster, Region};
 
 /// Side of a cell, metres.
 const CELL_M: f64 = 1.0;
-/// Enclosed ground is an island if no place of it is farther than this from the carriageway, metres: half a house, its
-/// garden and a sidewalk.
+/// Enclosed ground is an island if no place of it is farther than this from the carriageway, metres: half a
+/// house, its garden and a sidewalk.
 const HALF_LOT_M: f32 = 12.0;
-/// Enclosed ground that is nearly a disc is the middle of a roundabout up to this radius, metres. Larger ground is no
-/// island, however narrow, nor is ground that reaches farther than such a disc along x or y: so that it is known of every
-/// place what it is, without looking far.
+/// Enclosed ground that is nearly a disc is the middle of a roundabout up to this radius, metres. Larger
+/// ground is no island, however narrow, nor is ground that reaches farther than such a disc along x or y: so
+/// that it is known of every place what it is, without looking far.
 const ROUND_M: f32 = 45.0;
-/// The area of such a disc is less than this times that of the largest disc in it (a square's is 1.27, a long block's more).
+/// The area of such a disc is less than this times that of the largest disc in it (a square's is 1.27, a long
+/// block's more).
 const ROUNDNESS: f32 = 1.15;
 
 /// Where islands are.

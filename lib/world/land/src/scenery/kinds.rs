@@ -17,7 +17,8 @@ const fn kind(model: &'static str, width_m: [f64; 2], depth_m: [f64; 2], storeys
     BuildingKind { model, width_m, depth_m, storeys }
 }
 
-/// Kinds of buildings. None has a diagonal of more than 42 m: what stands around them depends on that (`site::reach_m`).
+/// Kinds of buildings. None has a diagonal of more than 42 m: what stands around them depends on that
+/// (`site::reach_m`).
 pub const BUILDINGS: [BuildingKind; 5] = [
     kind("building.block", [14.0, 28.0], [11.0, 16.0], [3, 7]),
     kind("building.tower", [18.0, 30.0], [16.0, 24.0], [9, 20]),
@@ -26,7 +27,8 @@ pub const BUILDINGS: [BuildingKind; 5] = [
     kind("building.hall", [22.0, 34.0], [18.0, 24.0], [2, 3]),
 ];
 
-/// Kinds of trees with their sizes: name, smallest and largest height, crown diameter as a share of the height.
+/// Kinds of trees with their sizes: name, smallest and largest height, crown diameter as a share of the
+/// height.
 pub const TREES: [(&str, f64, f64, f64); 5] = [
     ("tree.broadleaf", 6.0, 13.0, 0.62),
     ("tree.round", 4.0, 8.0, 0.70),

@@ -25,7 +25,8 @@ const MAX_ARM_M: f64 = 7.5;
 const WIDE_LANES: usize = 2;
 /// No second head is farther from the stop line than this, metres.
 const FAR_M: f64 = 60.0;
-/// A second head stands beside the road that leads on, this far behind where it begins and from its kerb, metres.
+/// A second head stands beside the road that leads on, this far behind where it begins and from its kerb,
+/// metres.
 const BEHIND_M: f64 = 1.2;
 const BESIDE_M: f64 = 0.5;
 
@@ -48,7 +49,8 @@ pub(crate) fn lights(site: &Site<'_>, land: &mut Land<'_>, drafts: &mut Vec<Draf
             drafts.push(first(site, i, signal));
         }
     }
-    // What stands where the map says goes first; of two second heads at one place, that of the earlier signal.
+    // What stands where the map says goes first; of two second heads at one place, that of the earlier
+    // signal.
     for (foot, yaw, signal) in seconds.into_iter().filter(|(p, ..)| site.near(p.x, p.y, reach_m::GIVEN)) {
         let takes = OrientedRect::square([foot.x, foot.y], FOOT_M);
         let on_lane = site.levels().cover.at(foot.x, foot.y).any(|(f, _)| f.ground == Ground::Paved);
@@ -98,8 +100,8 @@ fn head(site: &Site<'_>, signal: &SignalInfo, foot: Point3<f64>, yaw: f64, mount
     draft
 }
 
-/// Where the second head of a light stands, and the way it looks: across the junction, right of where the straightest way on
-/// leaves it. None for narrow approaches, and where nothing leads on.
+/// Where the second head of a light stands, and the way it looks: across the junction, right of where the
+/// straightest way on leaves it. None for narrow approaches, and where nothing leads on.
 fn second(site: &Site<'_>, index: usize, signal: &SignalInfo) -> Option<(Point3<f64>, f64)> {
     let stops = site.map.stop_points(index);
     if stops.len() < WIDE_LANES {
@@ -126,7 +128,8 @@ fn second(site: &Site<'_>, index: usize, signal: &SignalInfo) -> Option<(Point3<
     (away.norm() < FAR_M).then_some((foot, yaw))
 }
 
-/// A place beside all that vehicles use of the side of a road that a lane is on, just behind where the lane begins.
+/// A place beside all that vehicles use of the side of a road that a lane is on, just behind where the lane
+/// begins.
 fn kerbside(site: &Site<'_>, lane: &LaneInfo) -> Option<Point3<f64>> {
     let s = lane.s_of_along(BEHIND_M.min(0.5 * lane.s_length()));
     let side = site.map.lanes_of(lane.id.road, lane.id.section);

@@ -27,8 +27,8 @@ const TOWN: [f64; 5] = [0.42, 0.16, 0.14, 0.22, 0.06];
 const COUNTRY: [f64; 5] = [0.04, 0.0, 0.70, 0.08, 0.18];
 /// What a building keeps free around it, metres.
 const AROUND_M: f64 = 0.6;
-/// Sizes and places that are tried on a lot, until one fits: shares of width and depth, and of the width that is left over to
-/// either side.
+/// Sizes and places that are tried on a lot, until one fits: shares of width and depth, and of the width that
+/// is left over to either side.
 const TRIES: [[f64; 3]; 7] = [
     [1.0, 1.0, 0.0],
     [0.8, 0.75, 0.0],
@@ -113,8 +113,8 @@ pub(crate) fn buildings<'a>(
     kept
 }
 
-/// The ground of a building of some depth and width, metres, and where its middle is along the frontage: a lot that is too
-/// large is tried smaller before it is given up.
+/// The ground of a building of some depth and width, metres, and where its middle is along the frontage: a
+/// lot that is too large is tried smaller before it is given up.
 fn lot(
     site: &Site<'_>,
     front: &Frontage,

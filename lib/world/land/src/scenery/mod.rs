@@ -1,10 +1,12 @@
-//! What stands beside the roads, placed by rule and seed, never on a lane: buildings, trees, street lamps, lights and signs (those of
-//! the map and more), parked vehicles, racks with bicycles, benches. `place` gives the objects of one area; it knows sizes but no meshes: a changed mesh leaves the simulation alone.
+//! What stands beside the roads, placed by rule and seed, never on a lane: buildings, trees, street lamps,
+//! lights and signs (those of the map and more), parked vehicles, racks with bicycles, benches. `place` gives
+//! the objects of one area; it knows sizes but no meshes: a changed mesh leaves the simulation alone.
 //!
-//! What stands somewhere does not depend on where one began to look. Candidates are drawn along each side of each road from
-//! its start, the same whoever draws them; kind by kind (parked vehicles, buildings, lamps, fences, trees, bushes, furniture, racks, signs) each keeps off
-//! what stands already, and among those of its kind it stands if no candidate of a higher rank is in its way. So everything
-//! depends on a bounded piece of land, and an area is made from that much around it.
+//! What stands somewhere does not depend on where one began to look. Candidates are drawn along each side of
+//! each road from its start, the same whoever draws them; kind by kind (parked vehicles, buildings, lamps,
+//! fences, trees, bushes, furniture, racks, signs) each keeps off what stands already, and among those of its
+//! kind it stands if no candidate of a higher rank is in its way. So everything depends on a bounded piece of
+//! land, and an area is made from that much around it.
 //!
 //! ```
 //! use schema::ActorKind;
@@ -51,12 +53,14 @@ use islands::Islands;
 use land::Land;
 use site::Site;
 
-/// What stands in an area: traffic lights and signs of the map, parked vehicles, buildings, street lamps, fences, trees,
-/// street furniture, racks with bicycles and the signs that roads have besides, in this order. It follows from the map, the rules,
-/// the models that may be parked and the area alone; areas side by side have each thing once, as it would be if they were one.
+/// What stands in an area: traffic lights and signs of the map, parked vehicles, buildings, street lamps,
+/// fences, trees, street furniture, racks with bicycles and the signs that roads have besides, in this order.
+/// It follows from the map, the rules, the models that may be parked and the area alone; areas side by side
+/// have each thing once, as it would be if they were one.
 ///
-/// Rows of lights and signs describe the housing or board alone (origin: centre of its bottom face, x: the way it faces);
-/// their poles belong to the same mesh and reach down to the ground, whose height is the attribute `ground_z_m`.
+/// Rows of lights and signs describe the housing or board alone (origin: centre of its bottom face, x: the
+/// way it faces); their poles belong to the same mesh and reach down to the ground, whose height is the
+/// attribute `ground_z_m`.
 #[must_use]
 pub fn place(ground: &AreaGround<'_>, rules: &SceneryRules, catalogue: &Catalogue) -> Vec<TileObjectRow> {
     let tracks = ground.sections.iter().flat_map(|s| &s.strips).any(|s| s.ground == Ground::Track);
@@ -131,7 +135,8 @@ mod tests {
         frames::Pose::<frames::World, frames::Object>::from_xyz_wxyz(object.xyz_m, object.quaternion).yaw()
     }
 
-    /// Signs that are not the map's stand off all lanes for vehicles and outside of houses, near the lane whose traffic sees them.
+    /// Signs that are not the map's stand off all lanes for vehicles and outside of houses, near the lane
+    /// whose traffic sees them.
     fn check_signs(name: &str, map: &Map, corner: [f64; 2], side: f64, least: usize) {
         let objects = all_of(map, corner, side);
         let own = |o: &&TileObjectRow| o.kind == ActorKind::Sign && o.opendrive_id.is_none();
@@ -191,7 +196,8 @@ mod tests {
                     second.xyz_m[0] - light.xyz_m[0],
                     second.xyz_m[1] - light.xyz_m[1],
                 );
-                // Both look the same way; one is behind the other as its traffic sees them, on the same side of a wide street.
+                // Both look the same way; one is behind the other as its traffic sees them, on the same side
+                // of a wide street.
                 assert!(frames::wrap_pi(yaw(light) - yaw(second)).abs() < 0.2);
                 let (sin, cos) = frames::math::sin_cos(yaw(light));
                 let (behind, aside) = (away.x * cos + away.y * sin, away.y * cos - away.x * sin);

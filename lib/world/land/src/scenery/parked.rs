@@ -32,22 +32,24 @@ const COLOURS: [[u8; 3]; 10] = [
 ];
 /// Length of a place in a parking lane without marked spaces, metres.
 const PLACE_M: f64 = 6.5;
-/// Nobody parks as near as this to a way through a junction, metres from the middle of the place: long vehicles swing out
-/// where they leave it.
+/// Nobody parks as near as this to a way through a junction, metres from the middle of the place: long
+/// vehicles swing out where they leave it.
 const CORNER_M: f64 = 9.0;
 
-/// Share of places at which a truck begins, which takes up two in a row; a bus, which takes up three; several motorcycles side
-/// by side, which take up one. Where they do not fit there may be a car.
+/// Share of places at which a truck begins, which takes up two in a row; a bus, which takes up three; several
+/// motorcycles side by side, which take up one. Where they do not fit there may be a car.
 const TRUCKS: f64 = 0.03;
 const BUSES: f64 = 0.006;
 const MOTORCYCLES: f64 = 0.012;
-/// Trucks and buses stand out of their places towards the road by at most this, metres, where traffic has room for that.
+/// Trucks and buses stand out of their places towards the road by at most this, metres, where traffic has
+/// room for that.
 const OUT_M: f64 = 0.25;
 /// The longest vehicle that parks, metres: [`reach_m::PARKED`] counts on it.
 const LONGEST_M: f64 = 12.5;
 /// Distance between motorcycles side by side, metres.
 const SIDE_BY_SIDE_M: f64 = 1.05;
-/// Places in a row: their middles are a length apart within this, metres, and they point the same way within this, radians.
+/// Places in a row: their middles are a length apart within this, metres, and they point the same way within
+/// this, radians.
 const IN_A_ROW: [f64; 2] = [0.4, 0.06];
 
 /// A place to park at.
@@ -327,7 +329,8 @@ fn drawn(random: &mut Stream, models: &[Common], bay: &Bay) -> Option<Stand> {
     Some(Stand { model, colour, rect, near_z_m: bay.at.z, yaw_rad: bay.yaw_rad, turn_rad })
 }
 
-/// Whether nothing stands on the ground, and buses in bends keep clear of it: of its corners, not only its middle.
+/// Whether nothing stands on the ground, and buses in bends keep clear of it: of its corners, not only its
+/// middle.
 fn fits(site: &Site<'_>, rect: &OrientedRect, z: f64, land: &Land<'_>) -> bool {
     let steps = (rect.half_m[0] / 2.5).ceil().max(1.0) as i32;
     let swept = (-steps..=steps).any(|k| {

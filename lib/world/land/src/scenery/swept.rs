@@ -1,6 +1,7 @@
 //! Ground that the longest vehicles need in bends: nothing is put there.
 //!
-//! A bus whose middle follows its lane has its rear axle on a smaller circle and its outer front corner on a larger one.
+//! A bus whose middle follows its lane has its rear axle on a smaller circle and its outer front corner on a
+//! larger one.
 
 use catalogue::swept_m;
 use frames::wrap_pi;
@@ -13,12 +14,13 @@ const WIDTH_M: f64 = 2.5;
 const HALF_BASE_M: f64 = 3.0;
 /// Room beside it, metres.
 const SPARE_M: f64 = 0.3;
-/// Lanes with their middles farther from a place than this do not matter there, metres: the tightest bend and a thing.
+/// Lanes with their middles farther from a place than this do not matter there, metres: the tightest bend and
+/// a thing.
 const REACH_M: f64 = 6.5;
 /// A bend's radius is taken over so many metres before and behind a place.
 const AROUND_M: f64 = 5.0;
-/// Bends are looked for this far back along the way, within so much of its straight line, metres, and where lanes run the
-/// same way, radians.
+/// Bends are looked for this far back along the way, within so much of its straight line, metres, and where
+/// lanes run the same way, radians.
 const UPSTREAM_M: [f64; 2] = [4.0, 8.0];
 const UPSTREAM_ASIDE_M: f64 = 1.5;
 const SAME_WAY_RAD: f64 = 1.0;
@@ -48,8 +50,8 @@ fn direction(heading_rad: f64) -> [f64; 2] {
     [cos, sin]
 }
 
-/// Curvatures of the ways to a place on a lane, positive to the left, 1/m: a vehicle's front is beyond a bend while its
-/// middle is in it.
+/// Curvatures of the ways to a place on a lane, positive to the left, 1/m: a vehicle's front is beyond a bend
+/// while its middle is in it.
 fn curvatures(map: &Map, hit: &LaneHit) -> Vec<f64> {
     let own = curvature(map, hit).unwrap_or(0.0);
     let Some(here) = map.lane_point(hit.lane, hit.s, 0.0) else { return vec![own] };
@@ -68,7 +70,8 @@ fn curvatures(map: &Map, hit: &LaneHit) -> Vec<f64> {
     std::iter::once(own).chain(before).collect()
 }
 
-/// Whether something that reaches so far around a place would stand in the way of long vehicles that keep to their lanes.
+/// Whether something that reaches so far around a place would stand in the way of long vehicles that keep to
+/// their lanes.
 pub(crate) fn is_swept(map: &Map, place: Point3<f64>, half_m: f64) -> bool {
     let near = map.lanes_within(place, REACH_M, |lane| lane.lane_type.is_drivable());
     near.iter().any(|hit| {
@@ -87,8 +90,8 @@ mod tests {
     #[test]
     fn a_bus_reaches_as_far_as_one_that_is_driven_round_a_circle() {
         for radius_m in [8.0, 12.0, 20.0, 45.0, 1e4] {
-            // The middle at (0, R), going clockwise round the origin: the nose points outwards by asin(h / R), as the rear
-            // axle, h behind the middle, is perpendicular to the way to the origin.
+            // The middle at (0, R), going clockwise round the origin: the nose points outwards by asin(h /
+            // R), as the rear axle, h behind the middle, is perpendicular to the way to the origin.
             let (sin, cos) = frames::math::sin_cos(frames::math::asin(HALF_BASE_M / radius_m));
             let corner = |ahead: f64, left: f64| -> [f64; 2] {
                 [ahead * cos - left * sin, radius_m + ahead * sin + left * cos]

@@ -33,8 +33,8 @@ struct Planted {
     plant: Plant,
 }
 
-/// Trees along the streets and in the yards behind, and bushes where there is no sidewalk. What is drawn does not depend on
-/// what stands.
+/// Trees along the streets and in the yards behind, and bushes where there is no sidewalk. What is drawn does
+/// not depend on what stands.
 pub(crate) fn trees(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, drafts: &mut Vec<Draft>) {
     let (mut trees, mut bushes) = (Vec::new(), Vec::new());
     let density = site.rules.tree_density;

@@ -20,8 +20,8 @@ pub const HALO_M: f64 = 192.0;
 /// Heights of the ground hold this far around an area, metres.
 pub const LEVELS_M: f64 = HALO_M - REACH_M;
 
-/// A map with what is needed of it whole: where its roads are, and how high the land between them is. Roads are sampled and
-/// gaps between lanes paved when they are first asked for, and kept.
+/// A map with what is needed of it whole: where its roads are, and how high the land between them is. Roads
+/// are sampled and gaps between lanes paved when they are first asked for, and kept.
 #[derive(Debug)]
 pub struct Atlas<'a> {
     map: &'a Map,
@@ -107,8 +107,8 @@ impl AreaGround<'_> {
         self.map
     }
 
-    /// The triangles of everything on the ground of the area: blocks by layer and place. Of what crosses its border the
-    /// pieces belong to it that begin there, so that areas side by side have each piece once.
+    /// The triangles of everything on the ground of the area: blocks by layer and place. Of what crosses its
+    /// border the pieces belong to it that begin there, so that areas side by side have each piece once.
     #[must_use]
     pub fn surfaces(&self) -> Vec<SurfaceMesh> {
         let (area, sections, ground) = (&self.area, &self.sections, &self.levels);

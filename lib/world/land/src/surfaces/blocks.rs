@@ -13,7 +13,8 @@ use crate::surfaces::region::Region;
 
 /// Places along sidewalks are told but for whole multiples of this, metres: a power of two.
 const REPEAT_M: f64 = 256.0;
-/// What lies along no kerb is laid by the plan of the world, so far away from any, metres: a whole number of patterns.
+/// What lies along no kerb is laid by the plan of the world, so far away from any, metres: a whole number of
+/// patterns.
 const NO_KERB_M: f64 = 1024.0;
 /// Side of a block, metres.
 const BLOCK_M: f64 = 64.0;

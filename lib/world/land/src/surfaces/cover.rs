@@ -121,7 +121,8 @@ impl Cover {
         self.at(x, y).next().is_some()
     }
 
-    /// Height of the road's visible surface within a metre of a height: of all that is not raised the highest.
+    /// Height of the road's visible surface within a metre of a height: of all that is not raised the
+    /// highest.
     pub(crate) fn road_near(&self, x: f64, y: f64, z: f64) -> Option<f64> {
         let flat = self.at(x, y).filter(|(f, h)| f.ground.is_road() && (h - z).abs() < 1.0);
         flat.map(|(_, h)| h).max_by(f64::total_cmp)

@@ -80,7 +80,8 @@ impl Field {
     }
 }
 
-/// The value of a grid between its cells, at a place in cells from the middle of the first; that of the edge beyond it.
+/// The value of a grid between its cells, at a place in cells from the middle of the first; that of the edge
+/// beyond it.
 pub(crate) fn bilinear(values: &[f64], [columns, rows]: [usize; 2], at: [f64; 2]) -> f64 {
     let axis = |at: f64, n: usize| {
         let at = at.clamp(0.0, (n - 1) as f64);
@@ -95,7 +96,8 @@ pub(crate) fn bilinear(values: &[f64], [columns, rows]: [usize; 2], at: [f64; 2]
     low + v * (high - low)
 }
 
-/// Means of the known values of two by two cells each; infinite where there is none. Columns and rows are rounded up.
+/// Means of the known values of two by two cells each; infinite where there is none. Columns and rows are
+/// rounded up.
 pub(crate) fn halved(values: &[f64], columns: usize, rows: usize) -> Vec<f64> {
     let (half_columns, half_rows) = (columns.div_ceil(2), rows.div_ceil(2));
     let mut sums = vec![(0.0, 0.0f64); half_columns * half_rows];
@@ -117,8 +119,8 @@ pub(crate) fn pulled(values: &[f64], columns: usize, rows: usize, coarse: &[f64]
     values.iter().enumerate().map(|(i, v)| if v.is_finite() { *v } else { of(i) }).collect()
 }
 
-/// Fills cells without a value from those with one: averages over ever larger squares, then back down (push and pull, Gortler
-/// et al., 1996), on each level drawn smooth, so that the land between roads has no steps.
+/// Fills cells without a value from those with one: averages over ever larger squares, then back down (push
+/// and pull, Gortler et al., 1996), on each level drawn smooth, so that the land between roads has no steps.
 fn filled(values: Vec<f64>, columns: usize, rows: usize) -> Vec<f64> {
     if values.iter().all(|v| v.is_finite()) {
         return values;

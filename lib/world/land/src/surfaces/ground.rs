@@ -18,8 +18,8 @@ pub struct GroundLevels {
 const LEVEL_M: f64 = 2.5;
 
 impl GroundLevels {
-    /// Height of the ground at a point: of lanes on the level of `near_z` the nearest, else the terrain if it is on that level,
-    /// else whatever is nearest.
+    /// Height of the ground at a point: of lanes on the level of `near_z` the nearest, else the terrain if it
+    /// is on that level, else whatever is nearest.
     #[must_use]
     pub fn height(&self, x: f64, y: f64, near_z: f64) -> f64 {
         let terrain = self.terrain.height(x, y);

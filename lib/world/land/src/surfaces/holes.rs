@@ -1,5 +1,5 @@
-//! Paving for the places in and around junctions that lanes surround, or leave a narrow gap between, without covering
-//! them.
+//! Paving for the places in and around junctions that lanes surround, or leave a narrow gap between, without
+//! covering them.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -23,7 +23,8 @@ const GAP_M: f32 = 0.9;
 const ISLAND_M2: f64 = 110.0;
 /// Gaps reach this far out of a junction, metres.
 const MARGIN_M: f64 = 6.0;
-/// Junctions that differ more in height, and decks over one another, are no matter for paving at one level, metres.
+/// Junctions that differ more in height, and decks over one another, are no matter for paving at one level,
+/// metres.
 const LEVEL_M: f64 = 3.0;
 /// Larger groups of junctions are looked at one by one.
 const MAX_CELLS: f64 = 2.5e5;
@@ -107,7 +108,8 @@ fn in_window(window: &Window, cover: &Cover) -> Vec<Facet> {
         }
     }
     let quarters = |i: usize| raster.quarters(i).map(|q| under[q]);
-    // Slivers are narrower than cells: those that are covered in part may belong to one, but do not make land wider.
+    // Slivers are narrower than cells: those that are covered in part may belong to one, but do not make land
+    // wider.
     let covered: Vec<bool> = (0..raster.len()).map(|i| quarters(i) == [true; 4]).collect();
     let touched: Vec<bool> = (0..raster.len()).map(|i| quarters(i) != [false; 4]).collect();
     let far_m = raster.distances_m(|i| touched[i]);
@@ -326,8 +328,8 @@ mod tests {
             region: Region { min: [x0, 0.0], max: [x1, 10.0] },
             z_m: [z, z + 0.5],
         };
-        // The third meets both before it; the fourth lies over them; the fifth would make the first too long; the
-        // sixth is too high by itself.
+        // The third meets both before it; the fourth lies over them; the fifth would make the first too long;
+        // the sixth is too high by itself.
         let mut tall = window(0.0, 10.0, 0.0);
         tall.z_m[1] = 4.0;
         let long = 10.0 + MAX_CELLS * CELL_M * CELL_M / 10.0;

@@ -26,8 +26,8 @@ const SAME_LEVEL_M: f64 = 2.0;
 /// Cross-section of the grass beside a road: distance from the edge and drop, metres.
 const VERGE_PROFILE: [(f64, f64); 3] = [(0.0, 0.02), (1.0, 0.10), (3.2, 0.85)];
 
-/// How high the ground is beside a road's edge, which is as high as that: grass falls off from it, where the land is not much lower or higher.
-/// `far_m`: how far beyond the edge, metres.
+/// How high the ground is beside a road's edge, which is as high as that: grass falls off from it, where the
+/// land is not much lower or higher. `far_m`: how far beyond the edge, metres.
 #[must_use]
 pub fn beside_edge(land_m: f64, edge_m: f64, far_m: f64) -> f64 {
     let drop = VERGE_PROFILE.array_windows().find(|[_, (far, _)]| far_m <= *far);
@@ -38,20 +38,20 @@ pub fn beside_edge(land_m: f64, edge_m: f64, far_m: f64) -> f64 {
     }
 }
 
-/// Ways through a junction lie on one another: each this much over the next one, metres, so that whoever looks there sees one of them, and
-/// not both in turn; few junctions have more ways than there are heights. What is drawn at their edges stays narrower than a fifth of
-/// a millimetre.
+/// Ways through a junction lie on one another: each this much over the next one, metres, so that whoever
+/// looks there sees one of them, and not both in turn; few junctions have more ways than there are heights.
+/// What is drawn at their edges stays narrower than a fifth of a millimetre.
 const OVER_M: f64 = 4e-6;
 const WAYS: u32 = 47;
 
-/// Raised strips are narrowed in steps of so many parts of their width, to half of it at most, where vehicles of another road
-/// drive over an edge of them.
+/// Raised strips are narrowed in steps of so many parts of their width, to half of it at most, where vehicles
+/// of another road drive over an edge of them.
 const PARTS: usize = 8;
 /// A strip narrower than this is none, metres.
 const LEAST_M: f64 = 0.5;
 
-/// Lane surfaces for point queries. Those of no use to vehicles are left out where vehicles of another road drive over
-/// them; of railways a patch remains there, so that the road goes on to where the ballast begins.
+/// Lane surfaces for point queries. Those of no use to vehicles are left out where vehicles of another road
+/// drive over them; of railways a patch remains there, so that the road goes on to where the ballast begins.
 pub(crate) fn cover(sections: &[&Section], region: &Region) -> Cover {
     let region = region.grown(WIDEST_M);
     let mut cover = Cover::new(region);
@@ -100,8 +100,8 @@ fn corners_of(strip: &Strip, i: usize, [from, to]: Share) -> [Point3<f64>; 4] {
     [at(i, from), at(i + 1, from), at(i + 1, to), at(i, to)]
 }
 
-/// The part of a strip's piece on which no vehicles of another road drive: where their lane runs over one edge of a
-/// raised strip, what lies beside it.
+/// The part of a strip's piece on which no vehicles of another road drive: where their lane runs over one
+/// edge of a raised strip, what lies beside it.
 fn free_part(section: &Section, strip: &Strip, i: usize, cover: &Cover) -> Option<Share> {
     if free_of_traffic(section, strip, i, cover) {
         return Some(WHOLE);
@@ -116,7 +116,8 @@ fn free_part(section: &Section, strip: &Strip, i: usize, cover: &Cover) -> Optio
     })
 }
 
-/// Whether no paved surface of another road at the same level meets a piece of a strip that is of no use to vehicles.
+/// Whether no paved surface of another road at the same level meets a piece of a strip that is of no use to
+/// vehicles.
 pub(crate) fn free_of_traffic(section: &Section, strip: &Strip, i: usize, cover: &Cover) -> bool {
     strip.ground == Ground::Paved || is_free(section, &corners(strip, i), cover)
 }
@@ -225,7 +226,8 @@ fn along(section: &Section, strip: &Strip) -> Vec<f64> {
     all
 }
 
-/// How far the corners of a part of a strip's piece, in the order of [`corners`], are from its inner border, metres.
+/// How far the corners of a part of a strip's piece, in the order of [`corners`], are from its inner border,
+/// metres.
 fn away_m(strip: &Strip, i: usize, [from, to]: Share) -> [f64; 4] {
     let at = |k: usize, share: f64| {
         let width_m = (strip.left[k] - strip.right[k]).xy().norm();
@@ -234,14 +236,16 @@ fn away_m(strip: &Strip, i: usize, [from, to]: Share) -> [f64; 4] {
     [at(i, from), at(i + 1, from), at(i + 1, to), at(i, to)]
 }
 
-/// How deep the face beside a raised strip reaches at a piece's start and end; none where the neighbour is as high.
+/// How deep the face beside a raised strip reaches at a piece's start and end; none where the neighbour is as
+/// high.
 fn face_depth(strip: &Strip, neighbour: Option<&Strip>, i: usize, side: usize) -> Option<[f64; 2]> {
     let Some(neighbour) = neighbour.filter(|n| n.ground != Ground::Land) else { return Some([SKIRT_M; 2]) };
     let depth = [i, i + 1].map(|i| strip.raise[i][side] - neighbour.raise[i][1 - side]);
     (depth[0] > 0.0 || depth[1] > 0.0).then(|| depth.map(|d| d.max(0.0) + 0.02))
 }
 
-/// Whether a neighbour stands over a strip's piece on a side (0 is its right, 1 its left) and was not cut away there.
+/// Whether a neighbour stands over a strip's piece on a side (0 is its right, 1 its left) and was not cut
+/// away there.
 fn is_kerbed(
     section: &Section,
     strip: &Strip,
@@ -311,8 +315,8 @@ mod tests {
         assert_eq!(beside_edge(-0.9, 0.0, 4.0), -0.9);
     }
 
-    /// Height at y in the middle of a road whose sidewalk lies from y = -3.5 to -5.5 m, beside a lane of another road
-    /// that reaches from `other_m` on to the right.
+    /// Height at y in the middle of a road whose sidewalk lies from y = -3.5 to -5.5 m, beside a lane of
+    /// another road that reaches from `other_m` on to the right.
     fn height(other_m: f64, y: f64) -> f64 {
         let street = one_way(&[(LaneType::Driving, 3.5), (LaneType::Sidewalk, 2.0)]);
         let lane = one_way(&[(LaneType::Driving, 3.5)]);
@@ -324,7 +328,8 @@ mod tests {
         here.levels.height(30.0, y, 0.0)
     }
 
-    /// What the roads of a street are made of whose lanes, from the reference line to the right, are of such types.
+    /// What the roads of a street are made of whose lanes, from the reference line to the right, are of such
+    /// types.
     fn made_of(lanes: &[LaneType]) -> Vec<Surface> {
         let lanes: Vec<(LaneType, f64)> = lanes.iter().map(|lane| (*lane, 3.0)).collect();
         made_of_roads(vec![road("1", [0.0, 0.0], 0.0, 60.0, one_way(&lanes))])

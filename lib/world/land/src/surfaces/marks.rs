@@ -228,7 +228,8 @@ fn crosswalks(map: &Map, painter: &mut Painter<'_>) {
         if area < 0.0 {
             ring.reverse();
         }
-        // Traffic runs along the polygon's short sides: of its edges' directions, take the one nearest to the road's.
+        // Traffic runs along the polygon's short sides: of its edges' directions, take the one nearest to the
+        // road's.
         let road = pose.forward();
         let mut best = ([road.x, road.y], -1.0);
         for i in 0..n {

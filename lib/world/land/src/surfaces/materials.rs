@@ -19,7 +19,8 @@ const PAVINGS: [(Paving, u32, [f32; 3]); 5] = [
     (Paving::Asphalt, 2, [0.11, 0.11, 0.112]),
 ];
 
-/// What a sidewalk is paved with that begins at a place: by district, so that streets and the junctions between them go on alike.
+/// What a sidewalk is paved with that begins at a place: by district, so that streets and the junctions
+/// between them go on alike.
 pub(crate) fn pavement(at: [f64; 2]) -> MeshPart {
     let [x, y] = at.map(|v| (v / DISTRICT_M).floor() as i64 as u64);
     // Mixes as splitmix64 does (Steele and others, 2014).

@@ -1,8 +1,8 @@
 //! The ground of the world, made from the map: roads, paint, sidewalks, islands, land, bridges, rails, water.
 //!
-//! An [`Atlas`] is a map made ready; it gives the [`AreaGround`] of one area after another. That says what lies where and how
-//! high, which scenery is placed by, and makes the triangles. What an area has follows from the map alone: of what else was
-//! asked for, and from where, nothing depends.
+//! An [`Atlas`] is a map made ready; it gives the [`AreaGround`] of one area after another. That says what
+//! lies where and how high, which scenery is placed by, and makes the triangles. What an area has follows
+//! from the map alone: of what else was asked for, and from where, nothing depends.
 //!
 //! ```
 //! use land::surfaces::{Atlas, Region};

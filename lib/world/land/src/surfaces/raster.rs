@@ -64,8 +64,8 @@ impl Raster {
         Some(of(y, self.low[1], self.rows)? * self.columns + of(x, self.low[0], self.columns)?)
     }
 
-    /// The columns and rows (first to before last) of the cells whose middles lie in a region, its northern and eastern
-    /// sides not included.
+    /// The columns and rows (first to before last) of the cells whose middles lie in a region, its northern
+    /// and eastern sides not included.
     pub(crate) fn span(&self, region: &Region) -> [[usize; 2]; 2] {
         [(0, self.columns), (1, self.rows)].map(|(k, n)| {
             let first = |v: f64| ((v - self.low[k]) / self.cell_m - 0.5).ceil().clamp(0.0, n as f64) as usize;
@@ -73,8 +73,8 @@ impl Raster {
         })
     }
 
-    /// Calls `mark` for every cell of the columns and rows asked for (first to before last) whose middle lies in a
-    /// triangle of the plan.
+    /// Calls `mark` for every cell of the columns and rows asked for (first to before last) whose middle lies
+    /// in a triangle of the plan.
     pub fn under(
         &self,
         corners: &[Point3<f64>; 3],
@@ -118,8 +118,9 @@ impl Raster {
         near.into_iter().flatten()
     }
 
-    /// How far the middle of each cell is from that of the nearest cell that is `from`, metres, along steps to the eight
-    /// neighbours: up to 8 % more than the straight way (Borgefors, 1986). Infinite where there is none.
+    /// How far the middle of each cell is from that of the nearest cell that is `from`, metres, along steps
+    /// to the eight neighbours: up to 8 % more than the straight way (Borgefors, 1986). Infinite where there
+    /// is none.
     #[must_use]
     pub fn distances_m(&self, from: impl Fn(usize) -> bool) -> Vec<f32> {
         let mut far: Vec<f32> = (0..self.len()).map(|i| if from(i) { 0.0 } else { f32::INFINITY }).collect();
@@ -154,8 +155,8 @@ impl Raster {
         far
     }
 
-    /// Groups of cells that are `wanted` and hang together by their sides, each as its runs along x; groups and runs
-    /// ascend by their first cell.
+    /// Groups of cells that are `wanted` and hang together by their sides, each as its runs along x; groups
+    /// and runs ascend by their first cell.
     #[must_use]
     pub fn groups(&self, wanted: impl Fn(usize) -> bool) -> Vec<Vec<Range<usize>>> {
         let mut runs: Vec<Range<usize>> = Vec::new();
@@ -211,8 +212,8 @@ impl Raster {
             || run.end.is_multiple_of(self.columns)
     }
 
-    /// The part of the grid that holds some runs and a cell more on each side where there is one, and for each of its
-    /// cells whether the runs hold it.
+    /// The part of the grid that holds some runs and a cell more on each side where there is one, and for
+    /// each of its cells whether the runs hold it.
     #[must_use]
     pub fn around(&self, runs: &[Range<usize>]) -> (Self, Vec<bool>) {
         let fold = |of: fn(&Range<usize>, usize) -> usize, pick: fn(usize, usize) -> usize, start: usize| {

@@ -54,8 +54,8 @@ impl Ground {
     }
 }
 
-/// How far a lane is raised over its road's surface at its inner and outer border, metres: as the map states it, else a
-/// kerb's height for sidewalks and medians.
+/// How far a lane is raised over its road's surface at its inner and outer border, metres: as the map states
+/// it, else a kerb's height for sidewalks and medians.
 fn lane_raise_m(map: &Map, lane: LaneId, s: f64) -> [f64; 2] {
     let Some(info) = map.lane(lane) else { return [0.0; 2] };
     let stated = map.lane_height(lane, s).unwrap_or([0.0; 2]);
@@ -113,7 +113,8 @@ impl Section {
         if side == 0 { built.next() } else { built.next_back() }
     }
 
-    /// The outer edge on the right (0) or left (1), and the horizontal direction away from the road at each sample.
+    /// The outer edge on the right (0) or left (1), and the horizontal direction away from the road at each
+    /// sample.
     #[must_use]
     pub fn edge(&self, side: usize) -> Option<Edge<'_>> {
         let strip = self.outermost(side)?;

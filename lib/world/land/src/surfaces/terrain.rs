@@ -20,10 +20,12 @@ const CELL_M: f64 = 4.0;
 const UNDER_M: f64 = 0.09;
 /// Steepest land (rise over run).
 const SLOPE: f64 = 0.5;
-/// A node is looked at from so many nodes away for that: what is farther does not matter, however high or low.
+/// A node is looked at from so many nodes away for that: what is farther does not matter, however high or
+/// low.
 const SLOPE_STEPS: usize = 16;
-/// The land depends on what lies within this distance along x and y and no farther, metres: the way of [`SLOPE_STEPS`] (64),
-/// squares of two nodes (8) between squares of four (16), these (6), lanes beside a node (5), and a cell.
+/// The land depends on what lies within this distance along x and y and no farther, metres: the way of
+/// [`SLOPE_STEPS`] (64), squares of two nodes (8) between squares of four (16), these (6), lanes beside a
+/// node (5), and a cell.
 pub(crate) const REACH_M: f64 = 104.0;
 /// The beds of waters lie this far under their level, metres.
 const BED_M: f64 = 1.5;
@@ -40,8 +42,8 @@ pub(crate) struct Terrain {
 }
 
 impl Terrain {
-    /// The land of a region, from the lanes of its sections, the patches between them, the waters, and what the map says of
-    /// places far from all of these. Corners of the region are multiples of four cells.
+    /// The land of a region, from the lanes of its sections, the patches between them, the waters, and what
+    /// the map says of places far from all of these. Corners of the region are multiples of four cells.
     pub(crate) fn new(
         sections: &[&Section],
         patches: &[Facet],
@@ -60,8 +62,8 @@ impl Terrain {
         terrain
     }
 
-    /// Nodes under no lane: between the means of squares of two and four nodes, and where these know nothing, as the map has
-    /// it. Squares lie on a grid of the world, so that every region has the same.
+    /// Nodes under no lane: between the means of squares of two and four nodes, and where these know nothing,
+    /// as the map has it. Squares lie on a grid of the world, so that every region has the same.
     fn filled(&self, caps: &[f64], field: &Field) -> Vec<f64> {
         let half = |n: usize| n.div_ceil(2);
         let (columns, rows) = (self.columns, self.rows);
@@ -76,7 +78,8 @@ impl Terrain {
         pulled(caps, columns, rows, &twos)
     }
 
-    /// The highest height of each node that keeps the cells around it under all lanes; infinite where no lane is.
+    /// The highest height of each node that keeps the cells around it under all lanes; infinite where no lane
+    /// is.
     fn caps(&self, sections: &[&Section], region: &Region) -> Vec<f64> {
         let mut caps = vec![f64::INFINITY; self.columns * self.rows];
         let near = region.grown(WIDEST_M);
@@ -151,8 +154,8 @@ impl Terrain {
         }
     }
 
-    /// Lowers nodes until no slope is steeper than [`SLOPE`], as far as nodes within [`SLOPE_STEPS`] ask for it: steps of a
-    /// chamfer distance (Borgefors, 1986), all nodes at once.
+    /// Lowers nodes until no slope is steeper than [`SLOPE`], as far as nodes within [`SLOPE_STEPS`] ask for
+    /// it: steps of a chamfer distance (Borgefors, 1986), all nodes at once.
     fn limit_slope(&mut self) {
         let (straight, diagonal) = (SLOPE * CELL_M, SLOPE * CELL_M * std::f64::consts::SQRT_2);
         let (columns, rows) = (self.columns, self.rows);
@@ -217,8 +220,8 @@ impl Terrain {
         }
     }
 
-    /// Water over every cell of the land that reaches below it in or beside its outline: the shore is where land rises
-    /// through it.
+    /// Water over every cell of the land that reaches below it in or beside its outline: the shore is where
+    /// land rises through it.
     pub(crate) fn build_waters(&self, waters: &[Water], area: &Region, blocks: &mut Blocks) {
         for water in waters {
             for corners in self.cells(area) {

@@ -15,7 +15,8 @@ const STEEL: MeshPart = MeshPart::new(Tag::RailTrack, Surface::Metal, [0.32, 0.3
 const SLEEPER: MeshPart = MeshPart::new(Tag::RailTrack, Surface::Concrete, [0.24, 0.23, 0.22]);
 /// Standard gauge, from the middle of one rail to that of the other, metres.
 const GAUGE_M: f64 = 1.505;
-/// Width of a rail's head and height of a rail over its bed, metres; in a level crossing it hardly stands out.
+/// Width of a rail's head and height of a rail over its bed, metres; in a level crossing it hardly stands
+/// out.
 const RAIL_M: [f64; 2] = [0.07, 0.17];
 const FLUSH_M: f64 = 0.012;
 /// Sleepers: half their length, half their width, height, distance, metres.
@@ -78,7 +79,8 @@ fn rail(blocks: &mut Blocks, strip: &Strip, i: usize, left_m: f64, height_m: f64
     }
 }
 
-/// The sleepers of a straight piece that begins `from_m` after the strip does; their sides are too low to matter.
+/// The sleepers of a straight piece that begins `from_m` after the strip does; their sides are too low to
+/// matter.
 fn sleepers(blocks: &mut Blocks, [a, b]: [Point3<f64>; 2], from_m: f64) {
     let [half_length, half_width, height, spacing] = SLEEPER_M;
     let length = (b - a).norm();

@@ -37,8 +37,8 @@ impl Water {
         self.bounds.grown(reach_m).meets(region)
     }
 
-    /// Distance from its edge, metres: positive on land, negative in the water (even-odd rule). Infinite for what is
-    /// farther than `reach_m` from the box around it.
+    /// Distance from its edge, metres: positive on land, negative in the water (even-odd rule). Infinite for
+    /// what is farther than `reach_m` from the box around it.
     #[must_use]
     pub fn clearance_m(&self, x: f64, y: f64, reach_m: f64) -> f64 {
         if !self.bounds.grown(reach_m).contains(x, y) {

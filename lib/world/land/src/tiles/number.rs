@@ -37,8 +37,8 @@ pub struct TooManyObjects {
     pub first_id: usize,
 }
 
-/// Numbers the static world of a scene from `first_id` on: one object for each of the layers, then what stands in each of the
-/// tiles, in the order in which they are given.
+/// Numbers the static world of a scene from `first_id` on: one object for each of the layers, then what
+/// stands in each of the tiles, in the order in which they are given.
 ///
 /// Rows of kind `surface` lie in the middle of the tiles; their length and width are the extent of these.
 ///

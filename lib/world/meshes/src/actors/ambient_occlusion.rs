@@ -1,4 +1,5 @@
-//! How much light of sky and ground reaches the pieces of an actor past the others: arches, undersides, armpits lie in shade.
+//! How much light of sky and ground reaches the pieces of an actor past the others: arches, undersides,
+//! armpits lie in shade.
 
 use std::f32::consts::TAU;
 use std::sync::Arc;
@@ -17,12 +18,14 @@ const FINE: OcclusionEstimate = OcclusionEstimate { texels: 160, axes: 24 };
 const COARSE: OcclusionEstimate = OcclusionEstimate { texels: 96, axes: 12 };
 /// What turns is looked at in so many positions, and has their mean.
 const TURNS: usize = 8;
-/// Of less than this a corner is within something else, and its triangle's other corners say what is seen of it.
+/// Of less than this a corner is within something else, and its triangle's other corners say what is seen of
+/// it.
 const BURIED: f32 = 0.015;
 
 impl ActorMesh {
-    /// The same with the light that reaches the corners of its triangles ([`TriMesh::corner_visibility`]): of its pieces at rest, doors
-    /// closed, level by level. Houses and plants have none: the first are large, the second let light through.
+    /// The same with the light that reaches the corners of its triangles ([`TriMesh::corner_visibility`]): of
+    /// its pieces at rest, doors closed, level by level. Houses and plants have none: the first are large,
+    /// the second let light through.
     #[must_use]
     pub fn with_ambient_occlusion(mut self) -> Self {
         let posture = self.posed(Posture::default());
@@ -98,7 +101,8 @@ fn shares(open: [f32; 3]) -> [u8; 3] {
     open.map(|open| if open > BURIED { open } else { mean }).map(|open| (open * 255.0 + 0.5) as u8)
 }
 
-/// Adds the places of a mesh's corners in some poses, one after the other, each once; gives the first of each corner of its triangles.
+/// Adds the places of a mesh's corners in some poses, one after the other, each once; gives the first of each
+/// corner of its triangles.
 fn gather(mesh: &TriMesh, poses: &[Affine3A], places: &mut Vec<OrientedPoint>) -> Vec<[u32; 3]> {
     let normals = |triangle: usize| {
         mesh.bent(triangle).unwrap_or_else(|| {

@@ -9,8 +9,8 @@ use schema::Tag;
 use crate::actors::pieces::{ActorMesh, Coarser, Joint, Piece};
 use crate::actors::rig::Rig;
 
-/// Distances from which people are made of fewer triangles, metres: what is left out then is less than a pixel of a picture
-/// of a thousand pixels a radian.
+/// Distances from which people are made of fewer triangles, metres: what is left out then is less than a
+/// pixel of a picture of a thousand pixels a radian.
 pub(crate) const LEVELS: [(f64, Detail); 2] = [(12.0, Detail::Half), (32.0, Detail::Coarse)];
 
 /// A walker with a rig.

@@ -102,8 +102,8 @@ const FRONT: Shape = Shape {
     deck: (0.9985, 0.37),
     ..CITY
 };
-/// Half of the bellows, from either section to where they turn, and half their width; their lower edge and how much lower than
-/// the roof they end.
+/// Half of the bellows, from either section to where they turn, and half their width; their lower edge and
+/// how much lower than the roof they end.
 const HALF_BELLOWS_M: f32 = 0.80;
 const BELLOWS_Y: f32 = 1.15;
 const BELLOWS_Z: [f32; 2] = [0.40, 0.22];
@@ -326,7 +326,8 @@ fn bands(b: &mut MeshBuilder, car: &Car<'_>, detail: Detail) {
     }
 }
 
-/// x of the middles of doors in the right side, and half their widths: where one gets in front, and between the axles.
+/// x of the middles of doors in the right side, and half their widths: where one gets in front, and between
+/// the axles.
 fn door_places(car: &Car<'_>) -> Vec<(f32, f32)> {
     let hull = car.hull;
     if let [axle] = hull.axles[..] {

@@ -12,7 +12,8 @@ const WHITE: MeshPart = MeshPart::new(Tag::TrafficCone, Surface::Reflector, [0.8
 const RUBBER: MeshPart = MeshPart::new(Tag::TrafficCone, Surface::Rubber, [0.06; 3]);
 const FACES: usize = 14;
 
-/// Layers of a cone's body: height as a share, radius as a share of the foot's; and which of the bands between them are white.
+/// Layers of a cone's body: height as a share, radius as a share of the foot's; and which of the bands
+/// between them are white.
 struct Profile {
     layers: &'static [(f32, f32)],
     white: &'static [usize],
@@ -140,7 +141,8 @@ fn street(size: Vec3) -> TriMesh {
     b.finish()
 }
 
-/// A board in fields of a colour and white, between shares of the height, so far to either side of the middle.
+/// A board in fields of a colour and white, between shares of the height, so far to either side of the
+/// middle.
 fn board(b: &mut MeshBuilder, size: Vec3, heights: [f32; 2], rgb: [f32; 3], half_thick: f32) {
     let fields = 6;
     for i in 0..fields {

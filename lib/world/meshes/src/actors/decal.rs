@@ -1,11 +1,12 @@
-//! What lies on a skin: lamps, plates, grilles, strips. Each is a closed solid, a curved face whose edge runs to a point inside.
+//! What lies on a skin: lamps, plates, grilles, strips. Each is a closed solid, a curved face whose edge runs
+//! to a point inside.
 
 use crate::solids::{MeshBuilder, circle};
 use glam::Vec3;
 use schema::geometry::MeshPart;
 
-/// A four-sided piece of `nu` by `nv` cells: `at` takes 0 to 1 each way to the skin; `inward` reaches from its middle to where
-/// it is closed.
+/// A four-sided piece of `nu` by `nv` cells: `at` takes 0 to 1 each way to the skin; `inward` reaches from
+/// its middle to where it is closed.
 pub(crate) fn patch(
     b: &mut MeshBuilder,
     part: MeshPart,

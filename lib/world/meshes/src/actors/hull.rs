@@ -1,8 +1,8 @@
 //! Where the skin of a cabin is: cars, vans, buses and the cabs of lorries, by a few curves along them.
 //!
-//! A place along the side is a share `f`, 0 at the nose's corner and 1 at the tail's. Up the side goes `row`: 0 is the lower edge,
-//! 1 the belt below the windows, 2 the edge of the roof (of bonnet and boot where there is no roof). Across the top goes `s`, from 1
-//! on the left to -1 on the right.
+//! A place along the side is a share `f`, 0 at the nose's corner and 1 at the tail's. Up the side goes `row`:
+//! 0 is the lower edge, 1 the belt below the windows, 2 the edge of the roof (of bonnet and boot where there
+//! is no roof). Across the top goes `s`, from 1 on the left to -1 on the right.
 
 use crate::solids::{chain_at, curve_at};
 use catalogue::Shape;

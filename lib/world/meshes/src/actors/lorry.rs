@@ -199,7 +199,8 @@ impl Lorry<'_> {
         b.cuboid(part, Vec3::new(x[0], -half_y, z[0]), Vec3::new(x[1], half_y, z[1]));
     }
 
-    /// The floor that a load stands on, with a line along its sides that shows how long the lorry is (UN Regulation 104).
+    /// The floor that a load stands on, with a line along its sides that shows how long the lorry is (UN
+    /// Regulation 104).
     pub(crate) fn deck(&self, b: &mut MeshBuilder) {
         let (half, floor) = (self.half(), self.body_floor());
         let metal = Self::stuff(Surface::Metal, [0.22, 0.22, 0.23]);

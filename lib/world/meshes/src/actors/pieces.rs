@@ -87,9 +87,10 @@ pub struct Coarser {
     pub pieces: Vec<Piece>,
 }
 
-/// What stands behind the panes of a vehicle ([`schema::geometry::Surface::is_window`]), in the frame of its body, the first of
-/// the pieces. It is strictly inside the body and no piece of it: only who looks through a pane sees it. The lining of floor, sides
-/// and roof is open and faces inward; all else is closed and faces outward.
+/// What stands behind the panes of a vehicle ([`schema::geometry::Surface::is_window`]), in the frame of its
+/// body, the first of the pieces. It is strictly inside the body and no piece of it: only who looks through a
+/// pane sees it. The lining of floor, sides and roof is open and faces inward; all else is closed and faces
+/// outward.
 #[derive(Clone, Debug)]
 pub struct Cabin {
     /// Lining, dashboard, steering wheel, seats.
@@ -129,7 +130,8 @@ impl ActorMesh {
         Self { coarser: coarser.to_vec(), ..Self::of(pieces(Detail::Full)) }
     }
 
-    /// A vehicle made for each level, and behind the panes of its body, stretched as the finest one is, a cabin.
+    /// A vehicle made for each level, and behind the panes of its body, stretched as the finest one is, a
+    /// cabin.
     pub(crate) fn with_cabin(
         made: impl Fn(Detail) -> (Vec<Piece>, Fit),
         cabin: impl FnOnce(&Fit) -> Cabin,
@@ -202,7 +204,8 @@ impl Joint {
     }
 }
 
-/// A door's leaf, swung open. From the hinge it reaches back: outward is clockwise on the left, counter-clockwise on the right.
+/// A door's leaf, swung open. From the hinge it reaches back: outward is clockwise on the left,
+/// counter-clockwise on the right.
 fn swung(at: Vec3, angle_rad: f32) -> Affine3A {
     let turn = if at.y > 0.0 { -angle_rad } else { angle_rad };
     Affine3A { matrix3: about_z(turn), translation: Vec3A::from(at) }

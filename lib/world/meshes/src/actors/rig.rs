@@ -91,7 +91,8 @@ pub struct Pusher {
     pub aside_m: f32,
 }
 
-/// A push begins behind the top of the wheel and turns it so far while the hand holds on; the hand then goes back over as much.
+/// A push begins behind the top of the wheel and turns it so far while the hand holds on; the hand then goes
+/// back over as much.
 const PUSH_FROM_RAD: f32 = -0.50;
 const PUSH_RAD: f32 = 1.25;
 /// How far the hands are off the rims on their way back, metres.

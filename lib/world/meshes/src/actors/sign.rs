@@ -17,8 +17,8 @@ const fn face(rgb: [f32; 3]) -> MeshPart {
     MeshPart::new(Tag::TrafficSign, Surface::Reflector, rgb)
 }
 
-/// The board stands on z = 0 and looks along +x; its pole reaches as far below as its face says. What is painted on it is a picture: no ray
-/// meets it.
+/// The board stands on z = 0 and looks along +x; its pole reaches as far below as its face says. What is
+/// painted on it is a picture: no ray meets it.
 pub(crate) fn sign(kind: &str, size: Vec3, said: SignFace) -> TriMesh {
     let half = 0.5 * size;
     let Board { outline, rim, inner, inside, middle } = board(kind);

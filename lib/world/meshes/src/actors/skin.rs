@@ -1,4 +1,5 @@
-//! The skin of a [`Hull`] as a mesh: a loft from tail to nose whose ends are grids, with wheel houses cut out below.
+//! The skin of a [`Hull`] as a mesh: a loft from tail to nose whose ends are grids, with wheel houses cut out
+//! below.
 
 use crate::solids::{Detail, MeshBuilder};
 use frames::math::f32::sin_cos;

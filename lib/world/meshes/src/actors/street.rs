@@ -108,7 +108,8 @@ fn lamp(size: Vec3) -> TriMesh {
     b.finish()
 }
 
-/// A road-side unit: the sensors are at the origin's vertical, so the pole stands behind them at the rear end of the box.
+/// A road-side unit: the sensors are at the origin's vertical, so the pole stands behind them at the rear end
+/// of the box.
 fn rsu(size: Vec3) -> TriMesh {
     let half = 0.5 * size;
     let mut b = MeshBuilder::new();

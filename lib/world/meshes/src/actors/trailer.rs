@@ -16,7 +16,8 @@ use crate::actors::{load, tanks};
 
 /// Lower edge of what is carried: over the coupling and the wheels of the tractor unit.
 const FLOOR_M: f32 = 1.27;
-/// The frame begins so far behind the kingpin that the rear of the tractor unit turns before it, and its legs stand behind that.
+/// The frame begins so far behind the kingpin that the rear of the tractor unit turns before it, and its legs
+/// stand behind that.
 const FRAME_M: f32 = 2.15;
 const LEGS_M: f32 = 2.65;
 /// Lowest place but for the wheels.
@@ -210,7 +211,8 @@ fn ribs(b: &mut MeshBuilder, part: MeshPart, x: f32, pitch: f32, wide: f32, z: [
     }
 }
 
-/// Behind the cab of a tractor unit: the plate that a trailer rests on, a walkway, hoses, walls that lead the air.
+/// Behind the cab of a tractor unit: the plate that a trailer rests on, a walkway, hoses, walls that lead the
+/// air.
 pub(crate) fn coupling(l: &Lorry<'_>, b: &mut MeshBuilder, detail: Detail) {
     let (half, paint, dark) = (l.half(), l.cab.looks.paint, l.cab.looks.trim);
     let metal = Lorry::stuff(Surface::Metal, [0.14, 0.14, 0.145]);

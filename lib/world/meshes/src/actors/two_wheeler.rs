@@ -47,7 +47,8 @@ pub(crate) fn two_wheeler(model: &Model, built: &TwoWheelerBody, size: Vec3, var
     ActorMesh { pieces, coarser: coarser.into(), rig: Some(Arc::new(Rig::Rides(rider))), cabin: None }
 }
 
-/// One that nobody sits on. `ridden` is the same with its rider, by whose height its parts are where they are.
+/// One that nobody sits on. `ridden` is the same with its rider, by whose height its parts are where they
+/// are.
 pub(crate) fn parked(model: &Model, ridden: &Model, built: &TwoWheelerBody, size: Vec3) -> ActorMesh {
     let ridden_m = size.z * (ridden.size_m[2] / model.size_m[2]) as f32;
     ActorMesh::in_levels(|detail| machine(ridden, built, size, size.z, ridden_m, detail).0)
@@ -76,7 +77,8 @@ const CRANK_M: f32 = 0.165;
 /// Distance of a pedal's middle from the frame's plane, metres.
 const PEDAL_ASIDE_M: f32 = 0.115;
 
-/// How far a bicycle's mudguards are above the tyres, metres, and where the rear one ends, in turns from ahead.
+/// How far a bicycle's mudguards are above the tyres, metres, and where the rear one ends, in turns from
+/// ahead.
 const GUARD_M: f32 = 0.015;
 const GUARD_END: f32 = 0.42;
 
@@ -93,7 +95,8 @@ fn machine(
     let tag = if bicycle { Tag::Bicycle } else { Tag::Motorcycle };
     let (radius, wheelbase) = (model.wheel_radius_m as f32, model.wheelbase_m as f32);
     let (half_l, half_w) = (0.5 * size.x, 0.5 * size.y);
-    // The front wheel ends where the box does; a motorcycle's mudguard reaches farther back than the rear one.
+    // The front wheel ends where the box does; a motorcycle's mudguard reaches farther back than the rear
+    // one.
     let slack = (size.x - wheelbase - 2.0 * radius).max(0.0);
     let front = half_l - radius - if bicycle { 0.5 * slack } else { 0.0 };
     let rear = front - wheelbase;
@@ -119,7 +122,8 @@ fn machine(
         let places = Places { front, rear, radius, seat, grip, back: -half_l, top: high_m, wide: size.y };
         motorcycle::body(&mut b, built.frame, &places, detail);
     }
-    // Bicycles end with their wheels, motorcycles with lamps and guards; both fill the box in width and height.
+    // Bicycles end with their wheels, motorcycles with lamps and guards; both fill the box in width and
+    // height.
     let (x0, x1) = if bicycle {
         (rear + (radius + GUARD_M + 0.022) * frames::math::f32::cos(TAU * GUARD_END), front + 0.06)
     } else {

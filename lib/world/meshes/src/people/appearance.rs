@@ -1,4 +1,5 @@
-//! What somebody looks like: age, sex, build, clothes, hair, what they carry. It follows from model and variant alone.
+//! What somebody looks like: age, sex, build, clothes, hair, what they carry. It follows from model and
+//! variant alone.
 
 use catalogue::{Age, BaseType, Model, Special};
 use schema::geometry::Weave;
@@ -202,7 +203,8 @@ const COATS: [[f32; 3]; 6] = [
 ];
 const UNIFORM: [f32; 3] = [0.012, 0.018, 0.05];
 
-/// A word that differs between questions asked of the same look (the finaliser of SplitMix64, by Steele, Lea and Flood).
+/// A word that differs between questions asked of the same look (the finaliser of SplitMix64, by Steele, Lea
+/// and Flood).
 fn word(model: &Model, variant: u32, question: u64) -> usize {
     let name = model.name.bytes().fold(0u64, |sum, byte| sum.wrapping_mul(257).wrapping_add(u64::from(byte)));
     let seed = name ^ u64::from(variant % APPEARANCES) << 40 ^ question << 52;
@@ -418,8 +420,8 @@ impl Appearance {
         self
     }
 
-    /// Whether somebody dressed so may sit on a bench: no coat or skirt stands off stiffly, and nothing is in the way of the seat
-    /// or its back.
+    /// Whether somebody dressed so may sit on a bench: no coat or skirt stands off stiffly, and nothing is in
+    /// the way of the seat or its back.
     #[must_use]
     pub fn may_sit(&self) -> bool {
         self.bottom != Bottom::Skirt

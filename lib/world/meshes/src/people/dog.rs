@@ -1,7 +1,7 @@
 //! Dogs on a lead: where they are beside who leads them, and how they trot.
 //!
-//! A dog takes some whole number of strides to its leader's one. A paw on the ground goes back, seen from the dog, exactly as far
-//! as it goes on; each foreleg moves with the hind leg of the other side.
+//! A dog takes some whole number of strides to its leader's one. A paw on the ground goes back, seen from the
+//! dog, exactly as far as it goes on; each foreleg moves with the hind leg of the other side.
 
 use std::f32::consts::TAU;
 
@@ -124,7 +124,8 @@ impl Figure {
     }
 }
 
-/// A paw before the place below its joint, and above the ground, metres: on the ground for a share of its stride.
+/// A paw before the place below its joint, and above the ground, metres: on the ground for a share of its
+/// stride.
 fn paw(turns: f32, step: f32, duty: f32, lift: f32) -> [f32; 2] {
     let c = turns - turns.floor();
     if c < duty {

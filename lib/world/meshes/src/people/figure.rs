@@ -5,7 +5,8 @@ use glam::{Affine3A, Vec3};
 
 use crate::people::appearance::{Appearance, Build, Hair, Hat};
 
-/// The rigid parts of a body. Each has its frame at its upper joint, axes as the object's where somebody stands upright.
+/// The rigid parts of a body. Each has its frame at its upper joint, axes as the object's where somebody
+/// stands upright.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Bone {
@@ -140,8 +141,9 @@ impl Side {
     }
 }
 
-/// Somebody's measures, metres. Shares of the stature are those of ordinary tables of human proportions (Drillis and Contini
-/// 1966, as in Winter's textbook), rounded, and of children with longer heads and shorter legs.
+/// Somebody's measures, metres. Shares of the stature are those of ordinary tables of human proportions
+/// (Drillis and Contini 1966, as in Winter's textbook), rounded, and of children with longer heads and
+/// shorter legs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the names are their own documentation")]
 pub struct Figure {
@@ -171,12 +173,15 @@ pub struct Figure {
     /// From the chin to the crown, and of the neck.
     pub head: f32,
     pub neck_m: f32,
-    /// How far the hips are ahead and to the left of the origin, so that the box about somebody who stands is centred.
+    /// How far the hips are ahead and to the left of the origin, so that the box about somebody who stands is
+    /// centred.
     pub hips_ahead: f32,
     pub hips_left: f32,
-    /// How much farther ahead they are of somebody who strides out: who has something before them reaches farther back then.
+    /// How much farther ahead they are of somebody who strides out: who has something before them reaches
+    /// farther back then.
     pub strides_ahead: f32,
-    /// How far the hips are ahead and to the left of the origin of somebody who sits on a bench, for the same reason.
+    /// How far the hips are ahead and to the left of the origin of somebody who sits on a bench, for the same
+    /// reason.
     pub sits_ahead: f32,
     pub sits_left: f32,
 }
@@ -254,8 +259,8 @@ impl Figure {
         }
     }
 
-    /// Somebody whose joints stand where they were measured. How they stride follows from the legs: the stature is that of
-    /// somebody of ordinary proportions with such legs, whatever is above them.
+    /// Somebody whose joints stand where they were measured. How they stride follows from the legs: the
+    /// stature is that of somebody of ordinary proportions with such legs, whatever is above them.
     #[must_use]
     pub fn measured(look: Appearance, measures: &Measures) -> Self {
         let Measures { hip_z, hip_y, thigh, shin, ankle, heel, ball, toe, stance_y, waist, .. } = *measures;

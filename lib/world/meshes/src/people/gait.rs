@@ -1,7 +1,7 @@
 //! How somebody walks and runs: the length of a stride by speed, and the way of each foot over it.
 //!
-//! A cycle is two steps. While a foot is on the ground it goes back, seen from the body, exactly as far as the body goes on:
-//! heel, sole and ball stand still one after another. Then it swings through.
+//! A cycle is two steps. While a foot is on the ground it goes back, seen from the body, exactly as far as
+//! the body goes on: heel, sole and ball stand still one after another. Then it swings through.
 
 use std::f32::consts::TAU;
 
@@ -65,7 +65,8 @@ impl Figure {
         speed_mps.clamp(0.0, FASTEST_MPS) / (USUAL_MPS * (self.stature / USUAL_M).sqrt())
     }
 
-    /// Way that two steps take at a speed, metres: it grows with the root of the speed, as steps become quicker, too.
+    /// Way that two steps take at a speed, metres: it grows with the root of the speed, as steps become
+    /// quicker, too.
     #[must_use]
     pub fn stride_m(&self, speed_mps: f32) -> f32 {
         let share = if self.look.age == Age::Elder { 0.66 } else { 0.77 };
@@ -136,8 +137,9 @@ impl Gait {
         Foot { object_from_foot, toes_rad: toes }
     }
 
-    /// A planted foot, a share of its time on the ground: where its ankle would be were it flat, its angle (positive: heel up),
-    /// and what of it stands still, from the ankle: the heel, then the hinge of the toes.
+    /// A planted foot, a share of its time on the ground: where its ankle would be were it flat, its angle
+    /// (positive: heel up), and what of it stands still, from the ankle: the heel, then the hinge of the
+    /// toes.
     fn planted(&self, figure: &Figure, u: f32) -> (f32, f32, Vec3) {
         let x = self.ahead + self.stride * self.duty * (0.5 - u);
         if u < 0.16 {

@@ -40,8 +40,8 @@ pub(crate) struct Limb {
 }
 
 impl Limb {
-    /// Frames of both bones, and where the end comes to, for an end that reaches for a place. Where that is too far the limb is
-    /// all but straight towards it (law of cosines).
+    /// Frames of both bones, and where the end comes to, for an end that reaches for a place. Where that is
+    /// too far the limb is all but straight towards it (law of cosines).
     pub(crate) fn reach(&self, to: Vec3) -> ([Affine3A; 2], Vec3) {
         let way = to - self.root;
         let least = (self.upper - self.lower).abs() + 1e-3;

@@ -1,4 +1,5 @@
-//! Prams: where they are before who pushes them. They roll as the body goes on, and their wheels turn with the phase of the walk.
+//! Prams: where they are before who pushes them. They roll as the body goes on, and their wheels turn with
+//! the phase of the walk.
 
 use std::f32::consts::TAU;
 
@@ -7,7 +8,8 @@ use glam::{Mat3A, Vec3};
 use crate::people::figure::{Bone, Bones, Figure, Side};
 use crate::people::joints::{about_y, frame};
 
-/// The wheels of an axle, metres: how far it is ahead of the hips of who pushes, their radius, how far from the middle they run.
+/// The wheels of an axle, metres: how far it is ahead of the hips of who pushes, their radius, how far from
+/// the middle they run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Axle {
     pub(crate) ahead: f32,

@@ -16,15 +16,16 @@ const SINKS_M: f32 = 0.007;
 const BELOW_HIPS: f32 = 0.060;
 /// Who is so short that the thighs slope down sits higher by this share of the slope.
 const SLOPE_LIFTS: f32 = 0.5;
-/// How far the feet look outward, radians, and how far they stand aside from below the hips, as a share of the stature.
+/// How far the feet look outward, radians, and how far they stand aside from below the hips, as a share of
+/// the stature.
 const FEET_OUT: f32 = 0.16;
 const FEET_ASIDE: f32 = 0.012;
 /// How far along the thighs the hands lie.
 const HANDS_ALONG: f32 = 0.66;
 
 impl Figure {
-    /// Where the bones are of somebody who sits on a bench whose seat is at a height over the ground, metres, and looks about as
-    /// the phase goes on.
+    /// Where the bones are of somebody who sits on a bench whose seat is at a height over the ground, metres,
+    /// and looks about as the phase goes on.
     #[must_use]
     pub fn sitting(&self, phase_rad: f32, seat_m: f32) -> Bones {
         let h = self.stature;

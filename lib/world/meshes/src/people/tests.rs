@@ -48,7 +48,8 @@ fn bounds(who: &Walker, phase_rad: f32, speed_mps: f32) -> Aabb {
     points.fold(Aabb::EMPTY, |b, p| b.with(p))
 }
 
-/// How far, over a cycle, a vertex of a shoe goes along the ground at most while it touches it, and how deep any goes below, m.
+/// How far, over a cycle, a vertex of a shoe goes along the ground at most while it touches it, and how deep
+/// any goes below, m.
 fn slide_and_depth(who: &Walker, speed_mps: f32) -> (f32, f32) {
     const STEPS: usize = 160;
     const TOUCHES_M: f32 = 0.002;
@@ -483,7 +484,8 @@ fn who_sits_is_on_the_seat_with_both_feet_on_the_ground() {
                         if [Bone::FootLeft, Bone::FootRight, Bone::ToesLeft, Bone::ToesRight].contains(bone) {
                             feet = feet.with(p);
                         }
-                        // The rear of the box leans at the back rest: nothing goes through the seat before that.
+                        // The rear of the box leans at the back rest: nothing goes through the seat before
+                        // that.
                         let over = p.x + 0.5 * size.x;
                         assert!(
                             over > front_m || p.z > seat_m - 0.02,

@@ -12,13 +12,15 @@ use crate::people::joints::{Limb, about_x, about_y, about_z, frame};
 
 use crate::people::appearance::{Build, Carried, Stance, Top};
 
-/// Shares of a foot's time on the ground at which is seen how low the hips must be: where it is far from them.
+/// Shares of a foot's time on the ground at which is seen how low the hips must be: where it is far from
+/// them.
 const FAR: [f32; 10] = [0.0, 0.04, 0.09, 0.16, 0.45, 0.65, 0.75, 0.84, 0.92, 0.9999];
 /// A leg is not quite straight.
 const STRAIGHT: f32 = 0.997;
 
 impl Figure {
-    /// Where the bones are of somebody who has come so far in the walk's cycle, and strides as at a speed (m/s; 0: stands).
+    /// Where the bones are of somebody who has come so far in the walk's cycle, and strides as at a speed
+    /// (m/s; 0: stands).
     #[must_use]
     pub fn walking(&self, phase_rad: f32, speed_mps: f32) -> Bones {
         let gait = Gait::new(self, speed_mps);
@@ -237,7 +239,8 @@ impl Figure {
         bones.place(Bone::Cane, crate::people::joints::hanging(hand, tip, Vec3::X));
     }
 
-    /// A shovel before the body, its blade on the ground while somebody stands; one who walks carries it a little above.
+    /// A shovel before the body, its blade on the ground while somebody stands; one who walks carries it a
+    /// little above.
     fn place_shovel(&self, bones: &mut Bones, hips: [f32; 2], gait: &Gait) {
         let h = self.stature;
         let at = |x: f32, y: f32, z: f32| Vec3::new(hips[0] + x * h, hips[1] + y * h, z * h);
@@ -256,7 +259,8 @@ impl Figure {
         0.66 * self.stature
     }
 
-    /// The palm of a side at a place, or as near to it as the arm reaches, its elbow bent to `bends`; gives where the palm is.
+    /// The palm of a side at a place, or as near to it as the arm reaches, its elbow bent to `bends`; gives
+    /// where the palm is.
     pub(crate) fn take_hold(&self, bones: &mut Bones, side: Side, at: Vec3, bends: Vec3) -> Vec3 {
         let limb = Limb {
             root: bones.object_from_bone(Bone::Chest).transform_point3(self.shoulder(side)),

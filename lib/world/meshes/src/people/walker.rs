@@ -77,8 +77,8 @@ impl Walker {
         &self.meshes
     }
 
-    /// Whether it moves a little while it stands, as the phase goes on. The wheels of a pram, which turn with the phase, stand
-    /// still then.
+    /// Whether it moves a little while it stands, as the phase goes on. The wheels of a pram, which turn with
+    /// the phase, stand still then.
     #[must_use]
     pub fn idles(&self) -> bool {
         self.figure.look.carried != Carried::Pram
@@ -100,8 +100,8 @@ impl Walker {
         }
     }
 
-    /// Length, width and height of the upright box about it while it walks or stands, metres: the origin is the middle of its
-    /// lower face.
+    /// Length, width and height of the upright box about it while it walks or stands, metres: the origin is
+    /// the middle of its lower face.
     #[must_use]
     pub fn box_m(&self, phase_rad: f32, speed_mps: f32) -> Vec3 {
         self.posed_box_m(&self.figure.walking(phase_rad, speed_mps))
@@ -116,7 +116,8 @@ impl Walker {
     }
 }
 
-/// How far somebody must be moved ahead at full stride so that what the pose takes up in the mean is centred on the origin, too.
+/// How far somebody must be moved ahead at full stride so that what the pose takes up in the mean is centred
+/// on the origin, too.
 fn striding_ahead(figure: &Figure, outer: &[(Bone, Vec<Vec3A>)]) -> f32 {
     const PHASES: usize = 12;
     let middle = |k: usize| {

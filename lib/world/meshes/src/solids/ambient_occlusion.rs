@@ -1,7 +1,7 @@
 //! How much of sky and ground is seen from places on a body that stands on level ground.
 //!
-//! Along each of a fixed set of axes the body is drawn as seen from either end; places that something covers do not see that way. This
-//! is far cheaper than rays, and as exact as a texel is wide.
+//! Along each of a fixed set of axes the body is drawn as seen from either end; places that something covers
+//! do not see that way. This is far cheaper than rays, and as exact as a texel is wide.
 
 use std::f32::consts::PI;
 
@@ -11,7 +11,8 @@ use glam::{Vec2, Vec3};
 
 /// Least width of a texel, metres.
 const LEAST_TEXEL_M: f32 = 0.01;
-/// Places are looked at from so far off their surface, texels: a plane does not shade itself, however it leans.
+/// Places are looked at from so far off their surface, texels: a plane does not shade itself, however it
+/// leans.
 const OFF: f32 = 1.5;
 /// What open ground gives, of what the sky gives: as much as matters for what faces down.
 const GROUND: f32 = 0.6;
@@ -43,7 +44,8 @@ fn axis(number: usize, axes: usize) -> Vec3 {
 pub type OrientedPoint = (Vec3, Vec3);
 
 /// The share of what sky and open ground give that reaches each of some places on a body, 0 to 1. The body is
-/// triangles between `positions`, and stands on the ground at z = 0; that is darker where the body is above it.
+/// triangles between `positions`, and stands on the ground at z = 0; that is darker where the body is above
+/// it.
 #[must_use]
 pub fn ambient_visibility(
     positions: &[Vec3],
@@ -111,7 +113,8 @@ struct AxisView<'a> {
     corner: Vec2,
     columns: usize,
     rows: usize,
-    /// How far toward the upper onlooker the surface is that is farthest from and that is nearest to them, by texel.
+    /// How far toward the upper onlooker the surface is that is farthest from and that is nearest to them, by
+    /// texel.
     reach: Vec<[f32; 2]>,
     /// The positions as seen: column, row, and how far toward the upper onlooker.
     shown: Vec<Vec3>,
@@ -162,7 +165,8 @@ impl<'a> AxisView<'a> {
         self.shown = shown;
     }
 
-    /// Column and row of a place (texels from the corner), and how far toward the upper onlooker it is, metres.
+    /// Column and row of a place (texels from the corner), and how far toward the upper onlooker it is,
+    /// metres.
     fn place(&self, p: Vec3) -> Vec3 {
         let [right, up, to] = self.axes;
         Vec3::new(p.dot(right) - self.corner.x, p.dot(up) - self.corner.y, p.dot(to))
@@ -211,7 +215,8 @@ impl<'a> AxisView<'a> {
         }
     }
 
-    /// How free the way is from a place up or down the axis: the share of the four texels around it that show nothing on the way.
+    /// How free the way is from a place up or down the axis: the share of the four texels around it that show
+    /// nothing on the way.
     fn from(&self, p: Vec3, up: bool) -> f32 {
         let q = self.place(p);
         let (x, y) = (q.x - 0.5, q.y - 0.5);
@@ -305,7 +310,8 @@ mod tests {
 
     #[test]
     fn closed_forms_hold() {
-        // Beside a wall that has no end in sight half of the sky is left, before it all; between two walls a strip.
+        // Beside a wall that has no end in sight half of the sky is left, before it all; between two walls a
+        // strip.
         let wall = |x: f32| [Vec3::new(x, -60.0, 0.0), Vec3::Y * 120.0, Vec3::Z * 60.0];
         let beside = seen(&[wall(0.0)], Vec3::new(1.0, 0.0, 0.0), Vec3::Z);
         assert!((beside - 0.5).abs() < 0.04, "{beside}");

@@ -135,9 +135,9 @@ impl MeshBuilder {
         self.triangle(part, [a, c, d]);
     }
 
-    /// A solid between rings of equally many points: each ring runs counter-clockwise seen against the direction from
-    /// the first ring to the last (from the far end looking back). `side(k, j)` names the part between
-    /// rings `k` and `k + 1`, from point `j` to the next; `caps` those of the first and last ring.
+    /// A solid between rings of equally many points: each ring runs counter-clockwise seen against the
+    /// direction from the first ring to the last (from the far end looking back). `side(k, j)` names the part
+    /// between rings `k` and `k + 1`, from point `j` to the next; `caps` those of the first and last ring.
     pub fn loft(
         &mut self,
         rings: &[Vec<Vec3>],
@@ -279,7 +279,8 @@ impl MeshBuilder {
         self.mesh.positions.iter_mut().for_each(|p| *p = to(*p));
     }
 
-    /// Stretches everything along the axes so that it fills the box from `min` to `max` exactly, and says how.
+    /// Stretches everything along the axes so that it fills the box from `min` to `max` exactly, and says
+    /// how.
     pub fn fit(&mut self, min: Vec3, max: Vec3) -> Fit {
         let bounds = self.mesh.aabb();
         if bounds.is_empty() {
@@ -294,8 +295,8 @@ impl MeshBuilder {
         fit
     }
 
-    /// A tube: its profile of `(radius, height)` turned about the vertical through `centre`; the profile is closed and
-    /// runs counter-clockwise with the radius to the right and the height upward.
+    /// A tube: its profile of `(radius, height)` turned about the vertical through `centre`; the profile is
+    /// closed and runs counter-clockwise with the radius to the right and the height upward.
     pub fn lathe(&mut self, part: MeshPart, centre: Vec3, profile: &[(f32, f32)], sides: usize) {
         let index = self.part_index(part);
         let rings: Vec<Vec<u32>> = profile
@@ -360,8 +361,9 @@ pub fn chain_at(chain: &[(f32, f32)], x: f32) -> f32 {
     chain[chain.len() - 1].1
 }
 
-/// The value of a smooth curve through `(x, y)` points, ascending in x, at some x: between neighbours it neither overshoots nor
-/// turns back (cubic Hermite pieces with the harmonic mean of both slopes, after Fritsch and Butland); constant beyond its ends.
+/// The value of a smooth curve through `(x, y)` points, ascending in x, at some x: between neighbours it
+/// neither overshoots nor turns back (cubic Hermite pieces with the harmonic mean of both slopes, after
+/// Fritsch and Butland); constant beyond its ends.
 pub fn curve_at(points: &[(f32, f32)], x: f32) -> f32 {
     let last = points.len().saturating_sub(1);
     let Some(i) = points.windows(2).position(|pair| x <= pair[1].0) else { return chain_at(points, x) };

@@ -1,13 +1,15 @@
-//! Light on curved surfaces: normals at the corners of triangles. Where a surface is, and who sees it, follows its flat triangles.
+//! Light on curved surfaces: normals at the corners of triangles. Where a surface is, and who sees it,
+//! follows its flat triangles.
 
 use frames::math;
 use glam::Vec3;
 use schema::Normal;
 use schema::geometry::TriMesh;
 
-/// Bends the light over edges at which triangles of one part that share two corners turn by less than an angle, given as its cosine:
-/// the normal at a corner is the mean of those of the triangles around it, by area and by angle at the corner, so that however a
-/// quad is cut and however large its neighbours are, large faces stay flat and the narrow ones between them are round.
+/// Bends the light over edges at which triangles of one part that share two corners turn by less than an
+/// angle, given as its cosine: the normal at a corner is the mean of those of the triangles around it, by
+/// area and by angle at the corner, so that however a quad is cut and however large its neighbours are, large
+/// faces stay flat and the narrow ones between them are round.
 pub(crate) fn smooth(mesh: &mut TriMesh, crease_cos: f32) {
     let all = 0..mesh.triangles.len();
     // Twice the area long.

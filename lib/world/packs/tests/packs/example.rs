@@ -1,4 +1,5 @@
-//! The pack in `tests/packs/example`: a van with doors, lamps and a picture, a bollard, and a pedestrian. What is committed is what this makes.
+//! The pack in `tests/packs/example`: a van with doors, lamps and a picture, a bollard, and a pedestrian.
+//! What is committed is what this makes.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -435,7 +435,8 @@ fn pictures_are_measured_before_they_are_decoded() {
     assert!(read(PAGE, picture(&jpeg(64), "image/jpeg")).is_ok());
     says(&fault(&jpeg(2056)), &["picture 0: "]);
     says(&fault(&jpeg(64)[..40]), &["picture 0: "]);
-    // Many pictures at once, one in many colours, and what is no colour: that is kept at half its size, so that its reading is too much.
+    // Many pictures at once, one in many colours, and what is no colour: that is kept at half its size, so
+    // that its reading is too much.
     let mut grey = Vec::new();
     jpeg_encoder::Encoder::new(&mut grey, 90)
         .encode(&vec![128_u8; 2048 * 2048], 2048, 2048, jpeg_encoder::ColorType::Luma)

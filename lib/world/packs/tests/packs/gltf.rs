@@ -46,7 +46,8 @@ impl Faces {
         self.quad([p(b[0], a[1], a[2]), p(a[0], a[1], a[2]), p(a[0], b[1], a[2]), p(b[0], b[1], a[2])], uv);
     }
 
-    /// A drum about the x axis (`axis` 0) or the y axis (1) of some radius, from `from` to `to` along it; its picture goes round once.
+    /// A drum about the x axis (`axis` 0) or the y axis (1) of some radius, from `from` to `to` along it; its
+    /// picture goes round once.
     pub(crate) fn drum(&mut self, axis: usize, radius: f32, [from, to]: [f32; 2], sides: u32) {
         let ring = |i: u32| {
             let angle = std::f64::consts::TAU * f64::from(i % sides) / f64::from(sides);

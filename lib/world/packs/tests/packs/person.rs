@@ -8,7 +8,8 @@ use crate::gltf::Maker;
 /// A joint: its name, the one above it, and where it is (glTF's axes: x to the left, y up, z ahead; metres).
 type Joint = (&'static str, Option<usize>, [f32; 3]);
 
-/// A tube of rings with closed ends: along an axis, by place, its middle in the two other directions, and radii in these.
+/// A tube of rings with closed ends: along an axis, by place, its middle in the two other directions, and
+/// radii in these.
 struct Tube {
     axis: usize,
     sides: usize,
@@ -241,8 +242,8 @@ fn shells(legs: f32) -> Vec<Shell> {
     shells
 }
 
-/// Somebody of 1.755 m whose legs are longer by a factor than those of the example. Node 0 is above the joints, these are nodes 1 to
-/// 19, the skinned mesh is node 20.
+/// Somebody of 1.755 m whose legs are longer by a factor than those of the example. Node 0 is above the
+/// joints, these are nodes 1 to 19, the skinned mesh is node 20.
 pub(crate) fn person(legs: f32) -> Maker {
     let mut m = Maker::new();
     let colours = [
@@ -285,7 +286,8 @@ pub(crate) fn person(legs: f32) -> Maker {
     }
     let mesh = m.put("meshes", json!({ "primitives": primitives }));
 
-    // Joints in centimetres below a node that is smaller by as much; legs look down along their own y, as programs have them.
+    // Joints in centimetres below a node that is smaller by as much; legs look down along their own y, as
+    // programs have them.
     let joints = joints(legs);
     let turn = |joint: usize| if joint >= 11 { Quat::from_xyzw(1.0, 0.0, 0.0, 0.0) } else { Quat::IDENTITY };
     let placed: Vec<Mat4> = joints

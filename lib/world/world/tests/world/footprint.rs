@@ -13,7 +13,8 @@ use schema::ActorKind;
 use schema::footprint::{WALKING_HEIGHT_M, footprint};
 use schema::geometry::Surface;
 
-/// Corners of what is solid of a triangle at walking height, in the object's frame: those of the part between two planes.
+/// Corners of what is solid of a triangle at walking height, in the object's frame: those of the part between
+/// two planes.
 fn clipped(corners: [glam::Vec3; 3], low: f32, high: f32) -> Vec<glam::Vec3> {
     let cut = |points: Vec<glam::Vec3>, keeps: &dyn Fn(f32) -> f32| -> Vec<glam::Vec3> {
         let mut kept = Vec::new();

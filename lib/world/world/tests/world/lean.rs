@@ -1,4 +1,5 @@
-//! Bodies lean on their springs and wheels stay on the road; two-wheelers lean with theirs. All in closed form.
+//! Bodies lean on their springs and wheels stay on the road; two-wheelers lean with theirs. All in closed
+//! form.
 
 use catalogue::{BaseType, Model, models};
 use frames::math::{cos, sin, tan};
@@ -51,7 +52,8 @@ fn seen(world: &SceneWorld, now: &StateRow, before: &StateRow, from_m: f64) -> S
     world.snapshot(&moment, [AT_M[0] + from_m, AT_M[1], AT_M[2]], 150.0)
 }
 
-/// Places of an instance's vertices in the frame of the road under the object; of this frame or the one before.
+/// Places of an instance's vertices in the frame of the road under the object; of this frame or the one
+/// before.
 fn on_road(snapshot: &Snapshot, instance: &Instance, before: bool) -> Vec<Vec3> {
     let road = Pose::<World, Object>::from_xyz_rpy(AT_M, ROAD_RPY);
     let road_from_local = snapshot.origin.local_from_body(&road).inverse();
@@ -94,7 +96,8 @@ fn wheels_stand_on_the_road_while_the_roof_goes_aside() {
                             assert!(off.fold(0.0, f32::max) < 1e-4, "{}", model.name);
                             continue;
                         }
-                        // The body has turned about the origin: the roof went aside by the lean times its height.
+                        // The body has turned about the origin: the roof went aside by the lean times its
+                        // height.
                         let height = f64::from(flat.iter().map(|p| p.z).fold(0.0, f32::max));
                         for (p, q) in points.iter().zip(&flat).filter(|(_, q)| f64::from(q.z) > 0.95 * height)
                         {

@@ -1,7 +1,7 @@
 //! Morphological closing of masks.
 
-/// Closes gaps of a cell: a dilation, then an erosion, each by a cell and its four neighbours. What lies outside the grid is
-/// empty for the first and full for the second.
+/// Closes gaps of a cell: a dilation, then an erosion, each by a cell and its four neighbours. What lies
+/// outside the grid is empty for the first and full for the second.
 pub(crate) fn close(mask: &mut [bool], side: usize) {
     let dilated = around(mask, side, |cell, near| cell || near.contains(&Some(true)));
     let eroded = around(&dilated, side, |cell, near| cell && !near.contains(&Some(false)));

@@ -79,7 +79,8 @@ mod tests {
         assert!(!mix(&[[0.0, 0.0, 0.0], [48.1, 0.0, 6.5]]), "far apart");
         // Exactly 6.4 m: nobody is above or below the middle by more than half of it.
         assert!(!mix(&[[0.0, 0.0, 0.0], [1.0, 0.0, 6.4]]));
-        // The test is symmetric about the middle: 3 m and 9.5 m differ by more than 6.4 m, but the middle is at 10.
+        // The test is symmetric about the middle: 3 m and 9.5 m differ by more than 6.4 m, but the middle is
+        // at 10.
         assert!(!mix(&[[0.0, 0.0, 3.0], [1.0, 0.0, 9.5], [500.0, 0.0, 17.0]]));
     }
 

@@ -1,15 +1,16 @@
 //! The rule `simbev2x`: masks as SimBEV2X draws them, so that results compare with its published set.
 //!
-//! The ground is drawn from lanes of the map that were sampled beforehand ([`LaneAreas`]), as polygons with corners on whole
-//! cells, outlines and all, and closed by a cell; what the map does not know of the road comes from a look from far above.
-//! Objects are where a look from far above or from far below shows them; both tilt with the agent, unlike the polygons.
-//! Every cone counts as a rider, too, since their colours there agree in the one channel that is looked at.
+//! The ground is drawn from lanes of the map that were sampled beforehand ([`LaneAreas`]), as polygons with
+//! corners on whole cells, outlines and all, and closed by a cell; what the map does not know of the road
+//! comes from a look from far above. Objects are where a look from far above or from far below shows them;
+//! both tilt with the agent, unlike the polygons. Every cone counts as a rider, too, since their colours
+//! there agree in the one channel that is looked at.
 //!
 //! Where the map's levels mix about an agent, objects are the footprints of its boxes, and of the ground
 //! what lies within 4.8 m of its height.
 //!
-//! Known differences: the two looks are along parallel lines (there from 1 km away: at most 0.24 m for 3 m of height
-//! at 80 m).
+//! Known differences: the two looks are along parallel lines (there from 1 km away: at most 0.24 m for 3 m of
+//! height at 80 m).
 
 mod closing;
 mod lanes;

@@ -22,8 +22,8 @@ impl Projection {
         Self { cells, highest: Vec::new(), lowest: Vec::new(), corners: Vec::new() }
     }
 
-    /// Projects all triangles along the grid's z axis. From below the ground is see-through. Of surfaces at the same height the
-    /// smaller tag is seen.
+    /// Projects all triangles along the grid's z axis. From below the ground is see-through. Of surfaces at
+    /// the same height the smaller tag is seen.
     pub(crate) fn draw(&mut self, snapshot: &Snapshot, facts: &[MeshFacts], grid_from_local: &Affine3A) {
         let (cells, size) = (self.cells, self.cells as f32);
         self.highest.clear();

@@ -7,11 +7,12 @@ const ONE: i64 = 1 << SHIFT;
 /// A corner: column and row.
 pub(crate) type Corner = [i64; 2];
 
-/// Fills a polygon: even-odd between its borders, row by row, and all cells of its outline. Polygons of fewer than three
-/// corners cover nothing. Calls with each cell (row times `cells` plus column), some of them several times.
+/// Fills a polygon: even-odd between its borders, row by row, and all cells of its outline. Polygons of fewer
+/// than three corners cover nothing. Calls with each cell (row times `cells` plus column), some of them
+/// several times.
 ///
-/// Equal to OpenCV for polygons within the grid and for most others: an edge that crosses the grid's border is cut
-/// there at whole cells first, as there.
+/// Equal to OpenCV for polygons within the grid and for most others: an edge that crosses the grid's border
+/// is cut there at whole cells first, as there.
 pub(crate) fn fill(corners: &[Corner], cells: usize, mut cell: impl FnMut(usize)) {
     let Some(&last) = corners.last().filter(|_| corners.len() >= 3) else { return };
     let sides = corners.iter().map(|&corner| side(corner, cells as i64));

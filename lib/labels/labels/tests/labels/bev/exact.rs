@@ -55,8 +55,9 @@ fn layers(hits: &[Hit]) -> Vec<Layer> {
     layers
 }
 
-/// The layer that is shown at each cell: the one that a way leads to from the agent, over neighbouring cells and steps of at most
-/// 0.6 m, first on paving alone, then on any ground; else the one nearest to the agent's height.
+/// The layer that is shown at each cell: the one that a way leads to from the agent, over neighbouring cells
+/// and steps of at most 0.6 m, first on paving alone, then on any ground; else the one nearest to the agent's
+/// height.
 fn shown(layers: &[Vec<Layer>], cells: usize, cell_m: f64) -> Vec<Option<Layer>> {
     let gap = |a: Layer, b: Layer| (a.low - b.high).max(b.low - a.high).max(0.0);
     let height_gap = |l: Layer| l.low.max(-l.high).max(0.0);
@@ -100,7 +101,8 @@ fn shown(layers: &[Vec<Layer>], cells: usize, cell_m: f64) -> Vec<Option<Layer>>
     shown.iter().zip(layers).map(|(shown, layers)| shown.or_else(|| nearest(layers))).collect()
 }
 
-/// Where an object stands: the middle of the bottom of the box about its largest mesh, in that mesh's own frame.
+/// Where an object stands: the middle of the bottom of the box about its largest mesh, in that mesh's own
+/// frame.
 fn bases(snapshot: &Snapshot, grid: &Grid) -> BTreeMap<ObjectId, Point3<f64>> {
     let mut bases: BTreeMap<ObjectId, (f32, Point3<f64>)> = BTreeMap::new();
     for instance in &snapshot.instances {
@@ -263,7 +265,8 @@ fn a_town_is_what_vertical_lines_meet() {
     assert!(check(&town, at([18.0, -5.0, 0.0], [0.0, 0.0, 0.4]), 120, 0.11) > 4000);
 }
 
-/// A road along x with a bridge across it 6 m higher, whose ramp comes down beyond y = 20; things on both and below.
+/// A road along x with a bridge across it 6 m higher, whose ramp comes down beyond y = 20; things on both and
+/// below.
 fn overpass() -> WorldBuilder {
     let mut b = WorldBuilder::default();
     b.add(sheet(Tag::Terrain, [-60.0, 60.0], [-60.0, 60.0], 7.0, |_, _| -0.2), 1, [0.0; 3], [0.0; 3]);

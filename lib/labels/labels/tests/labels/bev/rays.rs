@@ -94,7 +94,8 @@ pub(crate) fn cast(pieces: &[Piece], cells: usize) -> Vec<Vec<Hit>> {
     hits
 }
 
-/// Whether a point is in a triangle, by the angles under which it sees the edges; and its distance from the nearest edge.
+/// Whether a point is in a triangle, by the angles under which it sees the edges; and its distance from the
+/// nearest edge.
 fn inside(corners: [Point2<f64>; 3], at: Point2<f64>) -> (bool, f64) {
     let (mut turn, mut nearest) = (0.0, f64::INFINITY);
     for e in 0..3 {

@@ -99,7 +99,8 @@ fn pieces_share_no_corner() {
         let scene = Scene::of(vec![strip([-11.9, end], [-1.0, 1.0], 0.0)]);
         cells(&scene.mask(&small(), &at([2.0, 0.0, 0.0], [0.0; 3])), BevClass::Road)
     };
-    // 41 samples: a piece of 40 and one of a single sample, which is no polygon. The first ends at 3.7 m, 1.7 m ahead: 5.75.
+    // 41 samples: a piece of 40 and one of a single sample, which is no polygon. The first ends at 3.7 m, 1.7
+    // m ahead: 5.75.
     assert_eq!(road(4.1), rectangle(5..=19, 7..=12));
     // A second piece of two samples: 2.1 and 2.5 m ahead.
     assert_eq!(road(4.5), rectangle(3..=19, 7..=12));

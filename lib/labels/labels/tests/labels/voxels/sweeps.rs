@@ -91,7 +91,8 @@ fn every_object_on_the_way_is_met_once() {
     b.add(box_mesh(Tag::Wall, [0.2, 0.2, 0.2], 1), 5, [-0.9, 0.12, 0.4], [0.0; 3]);
     b.add(box_mesh(Tag::Car, [0.2, 0.2, 0.2], 1), 4, [-1.6, 0.1, 0.4], [0.0; 3]);
     let front = swept(&b.snapshot([0.0; 3]), &SweepSettings { x_front: true, ..NONE });
-    // The wall from -1.0 to -0.8: met at -0.8, cell 4; across 0.02 to 0.22 and up 0.4 to 0.6: cells 8 and 5, 6.
+    // The wall from -1.0 to -0.8: met at -0.8, cell 4; across 0.02 to 0.22 and up 0.4 to 0.6: cells 8 and 5,
+    // 6.
     let wall = vec![([4, 8, 5], Tag::Wall as u8), ([4, 8, 6], Tag::Wall as u8)];
     assert_eq!(front, sorted(&[box_cells(11..12, 6..10, 4..8, Tag::Car), wall]));
 }
@@ -145,7 +146,8 @@ fn between_top_and_bottom() {
     let lines = with(ZFill::Scanline);
     assert_eq!(column(&lines, 9), [(3, road), (4, car), (5, car), (6, car), (7, car)]);
     assert_eq!(column(&lines, 2), [(5, road)], "bare ground opens nothing");
-    // What touches cells between the ends: the middle of the car is hollow, its sides are not; the road's slope is whole.
+    // What touches cells between the ends: the middle of the car is hollow, its sides are not; the road's
+    // slope is whole.
     let boxes = with(ZFill::BoxSweep);
     assert_eq!(column(&boxes, 9), [(3, road), (4, car), (7, car)]);
     assert_eq!(column(&boxes, 8), [(3, road), (4, car), (5, car), (6, car), (7, car)]);

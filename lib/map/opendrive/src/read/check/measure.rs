@@ -2,7 +2,8 @@
 
 use crate::model::{Cubic, Curve, Geometry, Lane, Road};
 
-/// Farther than this from the origin, or higher, or longer, is nothing on earth, metres (and whatever other unit).
+/// Farther than this from the origin, or higher, or longer, is nothing on earth, metres (and whatever other
+/// unit).
 const ABSURD: f64 = 1e8;
 /// More turning than this along one reference line is nothing on earth, radians.
 const ABSURD_TURN_RAD: f64 = 1e5;

@@ -1,4 +1,5 @@
-//! Checks that need the whole network: links to nowhere, gaps, lengths that do not add up, ids that occur twice.
+//! Checks that need the whole network: links to nowhere, gaps, lengths that do not add up, ids that occur
+//! twice.
 
 mod furniture;
 mod lines;

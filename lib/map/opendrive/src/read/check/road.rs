@@ -68,8 +68,8 @@ pub(super) fn outside(s: f64, road: &Road) -> bool {
     s < -GAP_M || s > road.length_m + GAP_M
 }
 
-/// Lane sections that begin in odd places, lanes of negative width, and links inside the road to lanes that are not
-/// there.
+/// Lane sections that begin in odd places, lanes of negative width, and links inside the road to lanes that
+/// are not there.
 pub(super) fn sections(context: &mut Context, road: &Road, lines: &RoadLines) {
     if let Some(first) = road.sections.first().filter(|s| s.s > GAP_M) {
         let line = line_of(&lines.sections, 0);

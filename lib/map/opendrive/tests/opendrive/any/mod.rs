@@ -28,7 +28,8 @@ impl Any {
         self.below(2) == 0
     }
 
-    /// A number with all its bits random, but of a magnitude of at most `2^exponent`; now and then a round one, or a zero.
+    /// A number with all its bits random, but of a magnitude of at most `2^exponent`; now and then a round
+    /// one, or a zero.
     pub(crate) fn number(&mut self, exponent: i64) -> f64 {
         let sign = if self.flag() { 1.0 } else { -1.0 };
         match self.below(8) {

@@ -1,4 +1,5 @@
-//! A small network made by hand: a street, a junction with a left turn and a way straight on, two streets after it.
+//! A small network made by hand: a street, a junction with a left turn and a way straight on, two streets
+//! after it.
 
 use nalgebra::Point3;
 use opendrive::*;
@@ -14,7 +15,8 @@ fn line(x_m: f64, y_m: f64, hdg_rad: f64, length_m: f64) -> Geometry {
     Geometry { s: 0.0, x_m, y_m, hdg_rad, length_m, curve: Curve::Line }
 }
 
-/// Street "a" runs 50 m east in two sections; the junction "j" spans 20 m; "b" goes on east, "c" leaves north.
+/// Street "a" runs 50 m east in two sections; the junction "j" spans 20 m; "b" goes on east, "c" leaves
+/// north.
 pub(crate) fn network() -> Network {
     let junction = Some(RoadLink::Junction { id: "j".to_owned() });
     let two_way = |predecessors: [&[i16]; 2], successors: [&[i16]; 2]| {
@@ -278,8 +280,8 @@ fn depth_in_lane(map: &Map, lane: &LaneInfo, x: f64, y: f64) -> f64 {
     (0.5 * hit.width_m - hit.t_m.abs()).min(if from_ends <= 0.0 { -beyond } else { from_ends })
 }
 
-/// Compares a junction's area with its lanes on a lattice of places; those within `margin_m` of a lane's border decide
-/// nothing. Answers with the numbers of places that decide, and of those inside.
+/// Compares a junction's area with its lanes on a lattice of places; those within `margin_m` of a lane's
+/// border decide nothing. Answers with the numbers of places that decide, and of those inside.
 pub(crate) fn check_area(map: &Map, junction: usize, margin_m: f64, lattice: u32) -> [usize; 2] {
     let info = &map.junctions()[junction];
     let areas = map.junction_area(junction);

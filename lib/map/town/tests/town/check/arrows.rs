@@ -33,7 +33,8 @@ pub(super) fn faults(map: &Map) -> Vec<String> {
     faults
 }
 
-/// Whether a lane leads to the left, straight on, and to the right at the next junction, where that can be told.
+/// Whether a lane leads to the left, straight on, and to the right at the next junction, where that can be
+/// told.
 fn ways(map: &Map, lane: LaneId) -> [(&'static str, Option<bool>); 3] {
     let ahead = |lane: LaneId| map.successors(lane).iter().copied();
     // Streets are cut into sections before their end.

@@ -1,4 +1,5 @@
-//! Reference lines, heights, widths: continuous, and within limits. Evaluated here from the records themselves.
+//! Reference lines, heights, widths: continuous, and within limits. Evaluated here from the records
+//! themselves.
 
 use frames::math::{cos, sin};
 use opendrive::{Cubic, Curve, Geometry, Network, Road};
@@ -26,7 +27,8 @@ pub(super) fn faults(network: &Network) -> Vec<String> {
     faults
 }
 
-/// Where a piece ends: its heading is a quadratic of the length, integrated by Gauss and Legendre's five points.
+/// Where a piece ends: its heading is a quadratic of the length, integrated by Gauss and Legendre's five
+/// points.
 fn end_of(piece: &Geometry) -> Option<[f64; 3]> {
     let (k0, k1) = match piece.curve {
         Curve::Line => (0.0, 0.0),

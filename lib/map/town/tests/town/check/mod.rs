@@ -1,4 +1,5 @@
-//! What must hold of any road network, found out from the network alone: nothing here knows how towns are built.
+//! What must hold of any road network, found out from the network alone: nothing here knows how towns are
+//! built.
 //!
 //! Every function returns what is wrong, one line a fault, so that a whole town can be judged at once.
 #![allow(dead_code, reason = "each test program uses its part")]

@@ -1,4 +1,5 @@
-//! Words on lanes lie within them and are read by those who come along; before each line of a stop sign there is one.
+//! Words on lanes lie within them and are read by those who come along; before each line of a stop sign there
+//! is one.
 
 use nalgebra::{Point3, Vector3};
 use opendrive::{Map, RoadSymbol};

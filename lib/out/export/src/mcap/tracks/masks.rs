@@ -16,7 +16,8 @@ use crate::{ExportError, SceneSource};
 
 /// Opacity of cells that have a class.
 const ALPHA: u8 = 200;
-/// The grid lies this far below the agent's origin, so that it does not fight with roads and boxes for the same pixels, m.
+/// The grid lies this far below the agent's origin, so that it does not fight with roads and boxes for the
+/// same pixels, m.
 const BELOW_M: f64 = 0.05;
 
 /// What an archive of masks says of itself.
@@ -110,8 +111,8 @@ fn corner(row: &AgentRow, half_extent_m: f64) -> TypedPose<World, Agent> {
     level * TypedPose::<Agent, Agent>::from_xyz_rpy([-half_extent_m, -half_extent_m, -BELOW_M], [0.0; 3])
 }
 
-/// Masks `[classes, rows, columns]` with row 0 ahead and column 0 to the left as cells with rows to the left and columns
-/// ahead: the classes as bits, and the colour of the last of them.
+/// Masks `[classes, rows, columns]` with row 0 ahead and column 0 to the left as cells with rows to the left
+/// and columns ahead: the classes as bits, and the colour of the last of them.
 fn paint(masks: &[u8], cells: usize, colours: &[[u8; 3]]) -> Option<Packed> {
     let size = cells * cells;
     let (mut bits, mut rgba) = (vec![0_u16; size], [(); 4].map(|()| vec![0_u8; size]));

@@ -1,5 +1,5 @@
-//! What a file holds, track by track: each reads its part of the scene frame by frame, and makes its messages of it. Tracks
-//! know nothing of one another.
+//! What a file holds, track by track: each reads its part of the scene frame by frame, and makes its messages
+//! of it. Tracks know nothing of one another.
 
 pub(crate) mod clouds;
 pub(crate) mod depths;

@@ -1,4 +1,5 @@
-//! Where agents and their sensors are, how agents move, what their inertial sensors and receivers say, and the weather.
+//! Where agents and their sensors are, how agents move, what their inertial sensors and receivers say, and
+//! the weather.
 
 use std::collections::BTreeMap;
 

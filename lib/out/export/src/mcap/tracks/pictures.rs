@@ -29,7 +29,8 @@ struct KindOfPicture {
     format: &'static str,
 }
 
-/// The last part of the topic of a kind of pictures; none of those that are no encoded pictures as people look at them.
+/// The last part of the topic of a kind of pictures; none of those that are no encoded pictures as people
+/// look at them.
 pub(crate) fn topic_of(kind: ImageKind) -> Option<&'static str> {
     match kind {
         ImageKind::Rgb => Some("image"),
@@ -40,7 +41,8 @@ pub(crate) fn topic_of(kind: ImageKind) -> Option<&'static str> {
 }
 
 impl CameraTrack {
-    /// Of the tables of one camera of an agent; those that are no encoded pictures count for the calibration alone.
+    /// Of the tables of one camera of an agent; those that are no encoded pictures count for the calibration
+    /// alone.
     pub(crate) fn open(
         scene: &SceneSource,
         agent: AgentId,

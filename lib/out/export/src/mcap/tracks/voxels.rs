@@ -169,7 +169,8 @@ fn of_cells(array: &Array, crop: Crop) -> Option<Vec<u8>> {
     Some(counts.iter().map(|counts| joined(&counts.map(u32::from))).collect())
 }
 
-/// The tag of cells that become one: the rule by which a voxel takes its label, then the most frequent, then the first.
+/// The tag of cells that become one: the rule by which a voxel takes its label, then the most frequent, then
+/// the first.
 fn joined(counts: &[u32; Tag::COUNT]) -> u8 {
     let occupied = Tag::ALL.into_iter().filter(|tag| *tag as u8 != 0 && counts[*tag as usize] > 0);
     let rank = |tag: Tag| (tag.voxel_priority(), counts[tag as usize], std::cmp::Reverse(tag as u8));

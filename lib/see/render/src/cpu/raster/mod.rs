@@ -1,10 +1,11 @@
 //! The rasteriser: instances sorted into tiles, tiles drawn in parallel.
 //!
-//! Each tile walks the trees of the instances that may touch it, front to back, and leaves out what lies outside
-//! the tile or behind everything drawn. Triangles are drawn in homogeneous coordinates (Olano and Greer,
-//! "Triangle scan conversion using 2D homogeneous coordinates", 1997): the edge functions of a triangle are
-//! evaluated along the pixel's ray, so triangles that cross the camera's plane need no clipping. Depth is kept
-//! as its inverse, which is linear over the picture and leaves `f32` its precision where it is needed.
+//! Each tile walks the trees of the instances that may touch it, front to back, and leaves out what lies
+//! outside the tile or behind everything drawn. Triangles are drawn in homogeneous coordinates (Olano and
+//! Greer, "Triangle scan conversion using 2D homogeneous coordinates", 1997): the edge functions of a
+//! triangle are evaluated along the pixel's ray, so triangles that cross the camera's plane need no clipping.
+//! Depth is kept as its inverse, which is linear over the picture and leaves `f32` its precision where it is
+//! needed.
 
 mod tile;
 mod view;

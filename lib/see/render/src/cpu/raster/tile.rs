@@ -189,17 +189,20 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
         }
     }
 
-    /// Inverse depth where nothing is seen. What is exactly at the far end is nearer: by its numbers, or by a hair.
+    /// Inverse depth where nothing is seen. What is exactly at the far end is nearer: by its numbers, or by a
+    /// hair.
     fn sky(camera: &PinholeCamera) -> f32 {
         let farthest = reciprocal(camera.far_m);
         if NUMBERED { farthest } else { farthest.next_down() }
     }
 
-    /// Copies the tile's depths into a band of the picture that starts at the tile's first row, row after row.
+    /// Copies the tile's depths into a band of the picture that starts at the tile's first row, row after
+    /// row.
     pub(super) fn copy_depths(&self, camera: &PinholeCamera, column: usize, depth_m: &mut [f32]) {
         let sky = Self::sky(camera);
         for (row, to) in self.rows(camera.width as usize, column, depth_m) {
-            // All of a tile's row, whatever of it is in the picture: the compiler turns that into vector instructions.
+            // All of a tile's row, whatever of it is in the picture: the compiler turns that into vector
+            // instructions.
             let row = row.start..row.start + TILE_WIDTH;
             let inverse = &self.inverse_depth[row.clone()];
             let mut line = [0.0; TILE_WIDTH];
@@ -319,8 +322,8 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
         let high = |a: f32, b: f32| if a > b { a } else { b };
         let mut nearest = [0.0; BLOCK];
         let mut farthest = [0.0; BLOCK];
-        // Columns and rows, first and last pixel centre within the projected box. Divided, which may round otherwise elsewhere: far
-        // less than the margin, so that what is seen does not hang on it.
+        // Columns and rows, first and last pixel centre within the projected box. Divided, which may round
+        // otherwise elsewhere: far less than the margin, so that what is seen does not hang on it.
         let mut from = [[0.0f32; BLOCK]; 2];
         let mut to = [[0.0f32; BLOCK]; 2];
         let mut wanted = [0u32; BLOCK];

@@ -72,8 +72,8 @@ fn cameras_inside_the_clutter_see_what_rays_see() {
 
 #[test]
 fn a_wall_covers_exactly_its_pixels() {
-    // At 10 m with a focal length of 100 px, a metre is 10 px: columns 70 +- 20, rows 50 +- 10, moved by nothing
-    // and by just less and just more than half a pixel.
+    // At 10 m with a focal length of 100 px, a metre is 10 px: columns 70 +- 20, rows 50 +- 10, moved by
+    // nothing and by just less and just more than half a pixel.
     let camera = forward(140, 100, 100.0);
     for (shift, columns, rows) in [(0.0, 50..90, 40..60), (0.049, 50..90, 40..60), (0.051, 51..91, 41..61)] {
         let world = quads(&[wall(10.0, -2.0 + shift, -1.0 + shift, 2.0 + shift, 1.0 + shift)]);

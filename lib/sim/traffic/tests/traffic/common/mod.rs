@@ -74,7 +74,8 @@ fn town_road(id: &str, x_m: f64, y_m: f64, hdg_rad: f64, length_m: f64, section:
     testkit::town_street(id, [x_m, y_m], hdg_rad, length_m, section)
 }
 
-/// A road 300 m to the east of two lanes, of which the file says that the right one goes on as the left one after 100 m.
+/// A road 300 m to the east of two lanes, of which the file says that the right one goes on as the left one
+/// after 100 m.
 pub(crate) fn ending_lane() -> Map {
     let mut ending = [lane(-1, LaneType::Driving, 3.5), lane(-2, LaneType::Driving, 3.5)];
     ending.iter_mut().for_each(|l| l.successors = vec![-1]);
@@ -107,8 +108,8 @@ pub(crate) fn two_lanes(between: MarkType, right_ends_m: Option<f64>) -> Map {
     Map::new(Network { roads: vec![road], ..Network::default() })
 }
 
-/// Two lanes with broken marks between them, 150 m to the east; there the next road begins, at an angle, and bends: as much
-/// as files have of both.
+/// Two lanes with broken marks between them, 150 m to the east; there the next road begins, at an angle, and
+/// bends: as much as files have of both.
 pub(crate) fn bent_seam() -> Map {
     let lanes = |on: &str| {
         let mut pair = [lane(-1, LaneType::Driving, 3.5), lane(-2, LaneType::Driving, 3.5)];
@@ -126,8 +127,8 @@ pub(crate) fn bent_seam() -> Map {
     Map::new(Network { roads: vec![first, second], ..Network::default() })
 }
 
-/// A road of one lane and a sidewalk: 20 m to the east, then 270 degrees to the left on a circle, the lane's middle at a
-/// radius.
+/// A road of one lane and a sidewalk: 20 m to the east, then 270 degrees to the left on a circle, the lane's
+/// middle at a radius.
 pub(crate) fn circle(radius_m: f64) -> Map {
     let right = vec![lane(-1, LaneType::Driving, 3.5), lane(-2, LaneType::Sidewalk, 3.0)];
     let section = LaneSection { right, ..LaneSection::default() };
@@ -144,8 +145,8 @@ pub(crate) fn circle(radius_m: f64) -> Map {
     Map::new(Network { roads: vec![road], ..Network::default() })
 }
 
-/// A road of one lane each way: 100 m to the east, a quarter turn to the right (the inner lane's middle at a radius), 100 m to
-/// the south.
+/// A road of one lane each way: 100 m to the east, a quarter turn to the right (the inner lane's middle at a
+/// radius), 100 m to the south.
 pub(crate) fn right_bend(radius_m: f64) -> Map {
     let lanes = |sign: i16| vec![lane(sign, LaneType::Driving, 3.5)];
     let section = LaneSection { left: lanes(1), right: lanes(-1), ..LaneSection::default() };
@@ -238,8 +239,8 @@ const SPLITTER_HALF_M: f64 = 1.5;
 /// Half the angle of the ring that a roundabout's arm takes, radians.
 const ARM_HALF_RAD: f64 = 0.6;
 
-/// From the middle of a [`roundabout`] to where its arms begin, metres, and the radius on which their lanes bend to the
-/// ring's.
+/// From the middle of a [`roundabout`] to where its arms begin, metres, and the radius on which their lanes
+/// bend to the ring's.
 ///
 /// A lane at y = e comes in towards -x and meets the tangent of the ring of radius r at angle a at
 /// x = (r - e sin a) / cos a; from there it is u = (r sin a - e) / cos a along the tangent to the ring.
@@ -251,8 +252,8 @@ pub(crate) fn roundabout_entry_m(radius_m: f64) -> [f64; 2] {
     [(radius_m - e * sin) / cos + leg, leg * half_cos / half_sin]
 }
 
-/// A ring of one lane, its middle at a radius, and four arms of one lane each way; who enters has a yield sign. As real maps
-/// have it, each arm is a junction and the ring between two arms is a road.
+/// A ring of one lane, its middle at a radius, and four arms of one lane each way; who enters has a yield
+/// sign. As real maps have it, each arm is a junction and the ring between two arms is a road.
 pub(crate) fn roundabout(radius_m: f64, arms_m: f64) -> Map {
     use std::f64::consts::FRAC_PI_2;
     let [from_m, bend_m] = roundabout_entry_m(radius_m);
@@ -331,8 +332,8 @@ pub(crate) fn roundabout(radius_m: f64, arms_m: f64) -> Map {
     Map::new(network)
 }
 
-/// Queues on all arms of a [`roundabout`], `count` vehicles each, so far from one another; drivers differ as planned ones
-/// do.
+/// Queues on all arms of a [`roundabout`], `count` vehicles each, so far from one another; drivers differ as
+/// planned ones do.
 pub(crate) fn queues_at_roundabout(
     radius_m: f64,
     count: usize,
@@ -557,7 +558,8 @@ pub(crate) fn red_runs(map: &Map, log: &SimulationLog, lights: &[ActorRow]) -> V
                 };
                 for (i, state) in states.iter().enumerate().skip(1) {
                     let ((before, on), (after, _)) = (past(i - 1), past(i));
-                    // All ways from this line that the light controls: a red one among several is enough to stop.
+                    // All ways from this line that the light controls: a red one among several is enough to
+                    // stop.
                     if on && before <= 0.0 && after > 0.0 && *state == SignalState::Red {
                         runs.push((i as i32 - 1, actor.id));
                     }

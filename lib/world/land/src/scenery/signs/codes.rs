@@ -1,8 +1,8 @@
 //! What the signs of a map say: by their code in a catalogue, or by their name.
 //!
-//! Numbers are those of the German catalogue (OpenDRIVE files use it by custom, whatever the country), words like `R1-1` those
-//! of the North American one, letters with a number the Swedish ones. CARLA's towns have most of their signs as objects that only
-//! their name tells.
+//! Numbers are those of the German catalogue (OpenDRIVE files use it by custom, whatever the country), words
+//! like `R1-1` those of the North American one, letters with a number the Swedish ones. CARLA's towns have
+//! most of their signs as objects that only their name tells.
 
 use schema::speed_limit_type;
 
@@ -39,8 +39,8 @@ const NO_BOARDS: [&str; 6] = ["293", "294", "295", "297", "298", "299"];
 /// Numbers from here on are lights and what else OpenDRIVE files list under no country.
 const FIRST_LIGHT: u32 = 1_000_000;
 
-/// What a signal that does not change says: none where it is no sign (paint, lights that are said not to change). `kind` and
-/// `subtype` are those of the file, `value` its number.
+/// What a signal that does not change says: none where it is no sign (paint, lights that are said not to
+/// change). `kind` and `subtype` are those of the file, `value` its number.
 pub(crate) fn of_signal(kind: &str, subtype: &str, value: Option<f64>, name: &str) -> Option<Meaning> {
     if kind.eq_ignore_ascii_case("roadmark") || is_paint(&plain(name)) {
         return None;
@@ -63,7 +63,8 @@ pub(crate) fn of_signal(kind: &str, subtype: &str, value: Option<f64>, name: &st
     }
 }
 
-/// What an object of the map says, if its name is that of a sign. `kind` is its type in the file: signs have none.
+/// What an object of the map says, if its name is that of a sign. `kind` is its type in the file: signs have
+/// none.
 pub(crate) fn of_object(kind: &str, name: &str) -> Option<Meaning> {
     let plain = plain(name);
     let nothing = matches!(kind, "" | "-1") || kind.eq_ignore_ascii_case("none");
@@ -106,7 +107,8 @@ fn german(main: &str, sub: &str, value: Option<f64>) -> Option<Meaning> {
     Some(Meaning::of(word))
 }
 
-/// The limit that a subtype of 274 names: 51 to 62 are 10 to 120 km/h, as 274-55; zones have theirs behind a dot.
+/// The limit that a subtype of 274 names: 51 to 62 are 10 to 120 km/h, as 274-55; zones have theirs behind a
+/// dot.
 fn numbered(sub: &str) -> Option<f64> {
     match sub.parse::<u32>().ok()? {
         tens @ 51..=63 => Some(10.0 * f64::from(tens - 50)),
@@ -151,7 +153,8 @@ fn american(kind: &str, value: Option<f64>) -> Option<Meaning> {
     Some(Meaning::of(word))
 }
 
-/// Sweden: a letter, and the number as the subtype. Speeds are in tens of km/h in files that follow the catalogue.
+/// Sweden: a letter, and the number as the subtype. Speeds are in tens of km/h in files that follow the
+/// catalogue.
 fn swedish(main: &str, sub: &str, value: Option<f64>) -> Option<Meaning> {
     let word = match (main, sub) {
         ("A", "8" | "9") => return Some(Meaning::unknown(BEND)),
@@ -256,8 +259,8 @@ fn of_name(name: &str) -> Option<Meaning> {
     is_stop.then(|| Meaning::of("stop"))
 }
 
-/// The number of a speed limit that a name is about, as `Speed_30` or `SpeedLimit60Assembly`. Other things have speed in their names,
-/// too, and counters behind them.
+/// The number of a speed limit that a name is about, as `Speed_30` or `SpeedLimit60Assembly`. Other things
+/// have speed in their names, too, and counters behind them.
 fn limit_of_name(name: &str) -> Option<f64> {
     const BETWEEN: [&str; 6] = ["", "limit", "sign", "limitsign", "highest", "max"];
     let small = name.to_ascii_lowercase();

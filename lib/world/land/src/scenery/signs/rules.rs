@@ -221,7 +221,8 @@ fn country(side: &mut Side<'_>, random: &mut Stream) {
 pub(super) struct Painted {
     /// Crosswalks without lights: number, middle and corners.
     crosswalks: Vec<(usize, Point3<f64>, Vec<Point3<f64>>)>,
-    /// Words on the road before which traffic stops, where the map has no sign: number, place and the frontage of their lane.
+    /// Words on the road before which traffic stops, where the map has no sign: number, place and the
+    /// frontage of their lane.
     stops: Vec<(usize, Point3<f64>, u64)>,
 }
 
@@ -290,7 +291,8 @@ fn painted(side: &mut Side<'_>, painted: &Painted) {
 impl crate::scenery::frontage::Spot {
     /// Yaw of what looks at the traffic of the side.
     pub(super) fn facing_traffic_rad(&self, front: &Frontage) -> f64 {
-        // Forward along the road is a quarter to the left of away on the right side, to the right on the left one.
+        // Forward along the road is a quarter to the left of away on the right side, to the right on the left
+        // one.
         let quarter = if front.entity.is_multiple_of(2) { 0.5 * PI } else { -0.5 * PI };
         let along = atan2(self.away.y, self.away.x) + quarter;
         wrap_pi(if front.traffic.direction > 0.0 { along + PI } else { along })

@@ -1,4 +1,5 @@
-//! The lining of a cabin: floor, sides up to the windows, pillars and roof, seen from inside; open where panes are.
+//! The lining of a cabin: floor, sides up to the windows, pillars and roof, seen from inside; open where
+//! panes are.
 
 use crate::solids::MeshBuilder;
 use glam::Vec3;

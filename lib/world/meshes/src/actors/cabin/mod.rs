@@ -23,7 +23,8 @@ use seats::Stuffs;
 pub(crate) use lining::REAR_PANE;
 pub(crate) use plan::REAR_DOOR_M;
 
-/// The cabin of a model's hull; `inner_y` as of its wheels, `pane` where its skin is one: at a place, on the left or the right.
+/// The cabin of a model's hull; `inner_y` as of its wheels, `pane` where its skin is one: at a place, on the
+/// left or the right.
 pub(crate) fn cabin(
     model: &Model,
     tag: Tag,

@@ -24,7 +24,8 @@ impl Room<'_> {
         self.hull.style.clearance * self.hull.height + MARGIN_M
     }
 
-    /// The least height over a place along the hull that is clear of its wheels, if they stand there: and how far aside it holds.
+    /// The least height over a place along the hull that is clear of its wheels, if they stand there: and how
+    /// far aside it holds.
     pub(crate) fn over_wheels(&self, x: f32) -> Option<(f32, f32)> {
         let hull = self.hull;
         let (axle, inner_y) =

@@ -11,7 +11,8 @@ use crate::actors::pieces::{Joint, Piece};
 
 /// Thickness of a door, metres.
 const LEAF_M: f32 = 0.07;
-/// How far the way in stands out of the skin, metres: farther than handles, which are on the leaf while it is open.
+/// How far the way in stands out of the skin, metres: farther than handles, which are on the leaf while it is
+/// open.
 const STANDS_OUT_M: f32 = 0.032;
 /// Rings of a door's mesh.
 const RINGS: usize = 5;
@@ -64,8 +65,8 @@ impl Car<'_> {
         self.door(fit, span, left, STANDS_OUT_M, self.looks.paint, |_, _, _| opening)
     }
 
-    /// A slab over a span of the side, from the sill to the roof, that stands out by so much; `part` of a ring and row, and
-    /// whether it is outside.
+    /// A slab over a span of the side, from the sill to the roof, that stands out by so much; `part` of a
+    /// ring and row, and whether it is outside.
     fn door(
         &self,
         fit: &Fit,

@@ -104,7 +104,8 @@ impl Car<'_> {
         (pieces, fit)
     }
 
-    /// What is behind its panes; `also` says where there are more of them than the skin has: at a place, on the left or the right.
+    /// What is behind its panes; `also` says where there are more of them than the skin has: at a place, on
+    /// the left or the right.
     pub(crate) fn cabin(&self, fit: &Fit, also: &dyn Fn(f32, Place, bool) -> bool) -> Cabin {
         let pane = |f: f32, place: Place, left: bool| {
             self.part(f, place, &[]).surface.is_window() || also(f, place, left)

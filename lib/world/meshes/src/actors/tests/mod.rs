@@ -309,7 +309,8 @@ fn doors_swing_outward_about_their_front_edge() {
                 model.name
             );
             assert!((0.5..1.7).contains(&size.x) && (0.7..2.2).contains(&size.z), "{}: {size}", model.name);
-            // Opened by 63 degrees its rear edge is out by 0.89 of its length, and its front edge where it was.
+            // Opened by 63 degrees its rear edge is out by 0.89 of its length, and its front edge where it
+            // was.
             let outside = if at.y > 0.0 { open.max.y } else { -open.min.y };
             assert!(outside > half_width + 0.6 * size.x, "{}: {open:?}", model.name);
             assert!((open.max.x - closed.max.x).abs() < 0.12, "{}: {open:?} {closed:?}", model.name);

@@ -116,7 +116,8 @@ fn what_is_farther_away_has_fewer_triangles_and_the_same_lamps() {
             lights::LOW_BEAM,
             lights::FOG,
         ] {
-            // What is towed has those of a rear end; the one before it, if that never drives alone, those of a front.
+            // What is towed has those of a rear end; the one before it, if that never drives alone, those of
+            // a front.
             let of_front = bit == lights::LOW_BEAM;
             let lacks = match model.name {
                 "bus.articulated" => bit & (lights::BRAKE | lights::REVERSE) != 0,
@@ -205,7 +206,8 @@ fn wheels_stay_in_their_arches_while_the_body_leans() {
         let at_m = [0.5 * model.wheelbase_m.max(1.0), 0.5 * model.size_m[1]].map(|m| m as f32);
         let actor = made(model.name, model.size_m, 0);
         let mesh = &actor.pieces[0].mesh;
-        // All of the springs' travel ahead, aside, and half of each: nobody accelerates as hard as they brake.
+        // All of the springs' travel ahead, aside, and half of each: nobody accelerates as hard as they
+        // brake.
         for [ahead, aside] in [[1.0, 0.0], [-0.5, 0.0], [0.0, 1.0], [0.5, 0.5], [-0.5, 0.5]] {
             // Traffic lets them lean by no more than this.
             let pitch = (ahead * travel_m / at_m[0]).clamp(-0.03, 0.03);

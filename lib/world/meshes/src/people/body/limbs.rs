@@ -34,7 +34,8 @@ fn short_sleeves(f: &Figure) -> bool {
     matches!(f.look.top, Top::Tee | Top::Dress)
 }
 
-/// Slices of a limb in shares of its length and of the stature: a half ball below, so that the joint shows no gap.
+/// Slices of a limb in shares of its length and of the stature: a half ball below, so that the joint shows no
+/// gap.
 fn limb(f: &Figure, length: f32, by: f32, shape: &[(f32, f32, f32, f32)]) -> Vec<Slice> {
     let h = f.stature;
     shape
@@ -123,8 +124,8 @@ fn thighs(f: &Figure) -> f32 {
     stout(f) * if f.look.woman { 1.10 } else { 1.0 }
 }
 
-/// How far behind its axis a trousers' leg reaches below the hip, and before it at the middle, metres: of somebody who sits these
-/// are its lower and its upper side.
+/// How far behind its axis a trousers' leg reaches below the hip, and before it at the middle, metres: of
+/// somebody who sits these are its lower and its upper side.
 pub(crate) fn thigh_reach_m(f: &Figure) -> [f32; 2] {
     [0.057, 0.044].map(|share| 1.06 * share * thighs(f) * f.stature)
 }

@@ -21,7 +21,8 @@ use crate::people::figure::{Bone, Figure, Side};
 use crate::people::pram::{FRONT, REAR};
 
 impl Figure {
-    /// The meshes of the body in the frames of its bones; all parts carry the tag. At [`Detail::Coarse`], feet have no toes.
+    /// The meshes of the body in the frames of its bones; all parts carry the tag. At [`Detail::Coarse`],
+    /// feet have no toes.
     #[must_use]
     pub fn meshes(&self, tag: Tag, detail: Detail) -> Vec<(Bone, TriMesh)> {
         let stuffs = Stuffs::new(&self.look, tag);

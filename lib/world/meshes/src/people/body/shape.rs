@@ -5,7 +5,8 @@ use frames::math::f32::{pow, sin_cos};
 use glam::Vec3;
 use schema::geometry::MeshPart;
 
-/// A horizontal slice: its height, the place it is about, and how far it reaches ahead, back and to either side.
+/// A horizontal slice: its height, the place it is about, and how far it reaches ahead, back and to either
+/// side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slice {
     pub(crate) z: f32,
@@ -44,8 +45,8 @@ impl Slice {
         [0, 1, 2, 3].map(off).into_iter().fold(0.0, f32::max)
     }
 
-    /// Its outline, counter-clockwise from above; the middle of the last side looks ahead. `square`: 1 an ellipse, less a
-    /// rounder box.
+    /// Its outline, counter-clockwise from above; the middle of the last side looks ahead. `square`: 1 an
+    /// ellipse, less a rounder box.
     fn outline(&self, sides: usize, square: f32) -> Vec<Vec3> {
         let bent = |v: f32| v.signum() * if square < 1.0 { pow(v.abs(), square) } else { v.abs() };
         (0..sides)
@@ -59,8 +60,8 @@ impl Slice {
     }
 }
 
-/// A solid through slices, from the lowest up; `part(k, j)` is that of side j above slice k. Of less detail, it has fewer slices
-/// and sides, and those are so much farther out that it is as thick.
+/// A solid through slices, from the lowest up; `part(k, j)` is that of side j above slice k. Of less detail,
+/// it has fewer slices and sides, and those are so much farther out that it is as thick.
 pub(crate) fn lofted(
     b: &mut MeshBuilder,
     slices: &[Slice],
@@ -78,8 +79,8 @@ pub(crate) fn lofted(
     b.loft(&rings, |k, j| part(kept[k], (side(j) + sides - 1) % sides), caps);
 }
 
-/// The slices without which a solid would be farther off than a tolerance: first and last, and between two the one that is
-/// farthest off (Douglas and Peucker 1973).
+/// The slices without which a solid would be farther off than a tolerance: first and last, and between two
+/// the one that is farthest off (Douglas and Peucker 1973).
 fn worth(slices: &[Slice], tolerance_m: f32) -> Vec<usize> {
     let mut kept = vec![0];
     let mut ends = vec![slices.len().saturating_sub(1)];

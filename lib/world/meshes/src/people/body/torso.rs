@@ -72,7 +72,8 @@ fn ribs(f: &Figure) -> Vec<Slice> {
     ]
 }
 
-/// How far the hem of the top hangs below the waist, as a share of the stature; tops that are tucked in end at the waist.
+/// How far the hem of the top hangs below the waist, as a share of the stature; tops that are tucked in end
+/// at the waist.
 fn hem(look: &Appearance) -> f32 {
     match look.top {
         Top::Coat => 0.120,
@@ -88,7 +89,8 @@ pub(super) fn chest(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
     let look = &f.look;
     let thick = cloth(look);
     let wide = if look.woman { 1.06 } else { 1.0 } * look.girth();
-    // The chest's own measures are those of somebody whose neck begins at 0.219 of the stature over the waist.
+    // The chest's own measures are those of somebody whose neck begins at 0.219 of the stature over the
+    // waist.
     let tall = f.neck.z / (0.219 * h);
     let low = hem(look);
     let mut slices: Vec<Slice> = Vec::new();
