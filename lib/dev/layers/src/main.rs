@@ -1,10 +1,12 @@
 //! Fails where a crate depends on one that is not above it, and where files of a crate need one another in a
-//! circle: neither can be read, tested or moved without the other. Part of `make lint`.
+//! circle: neither can be read, tested or moved without the other; and where comments are wider than code.
+//! Part of `make lint`.
 //!
 //! A file needs another one if it names something of it outside tests. Names that a module only hands on
 //! count as those of the file that they come from.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "it is a check on the command line")]
 
+mod comments;
 mod graph;
 mod lexer;
 mod paths;
@@ -62,6 +64,12 @@ fn check(workspace: &Path, checked: &mut Checked) -> Result<(), String> {
         }
     }
     checked.crates = crates.len();
+    for top in ["lib", "bins", "tests"] {
+        for file in sources(&workspace.join(top)) {
+            let name = file.strip_prefix(workspace).unwrap_or(&file);
+            checked.faults.extend(comments::faults(name, &read(&file)?));
+        }
+    }
     checked.faults.extend(rooms::faults(&crates));
     Ok(())
 }
@@ -74,6 +82,18 @@ fn read(path: &Path) -> Result<String, String> {
 fn folders(path: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
     let mut found: Vec<PathBuf> = entries.map(|e| e.path()).filter(|p| p.is_dir()).collect();
+    found.sort();
+    found
+}
+
+/// All sources below a folder, but for what cargo made.
+fn sources(path: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for folder in folders(path).into_iter().filter(|folder| !folder.ends_with("target")) {
+        found.extend(sources(&folder));
+    }
+    let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
+    found.extend(entries.map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "rs")));
     found.sort();
     found
 }

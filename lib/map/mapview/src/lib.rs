@@ -1,8 +1,8 @@
 //! Road networks from above: a map sheet as SVG or PNG.
 //!
-//! [`draw`] turns an [`opendrive::Map`] into a [`Picture`]: surfaces by what they are for, markings with their colours
-//! and dashes, crosswalks, stop lines, signals and signs, decks above what they cross, tunnels dashed; with
-//! name, scale bar, north arrow and a legend of what occurs. Where a pixel covers more than
+//! [`draw`] turns an [`opendrive::Map`] into a [`Picture`]: surfaces by what they are for, markings with
+//! their colours and dashes, crosswalks, stop lines, signals and signs, decks above what they cross, tunnels
+//! dashed; with name, scale bar, north arrow and a legend of what occurs. Where a pixel covers more than
 //! [`COARSE_FROM_M_PER_PX`] metres, roads become lines coloured by their kind. The picture is written by
 //! [`Picture::to_svg`] or [`Picture::to_png`].
 //!

@@ -1,8 +1,8 @@
 //! OpenDRIVE road networks: read, write, geometry, lane graph, queries.
 //!
-//! [`Network`] is a file's content as plain data: parse one with [`Network::parse`], or build one in memory, and
-//! turn it back into a file with [`write()`]. `docs/opendrive-coverage.md` lists what is read, and used for
-//! what. [`Map`] is a network made ready for questions: where is a lane, what follows it, which lane is
+//! [`Network`] is a file's content as plain data: parse one with [`Network::parse`], or build one in memory,
+//! and turn it back into a file with [`write()`]. `docs/opendrive-coverage.md` lists what is read, and used
+//! for what. [`Map`] is a network made ready for questions: where is a lane, what follows it, which lane is
 //! nearest, what is painted, which signal holds for it.
 //!
 //! All positions are in the world frame: metres, x east, y north, z up (the file's inertial frame, with

@@ -1,9 +1,9 @@
 //! Generated road networks, written as OpenDRIVE.
 //!
-//! [`generate`] turns [`TownParameters`] into an [`opendrive::Network`]: the same parameters give the same bytes. A
-//! style (`layouts/`) states nodes, edges and the ground under them ([`layout`] has a worked example); every
-//! style shares the builder: streets with their lanes, heights and bends, junctions of all kinds, signals and
-//! signs, bridges and tunnels.
+//! [`generate`] turns [`TownParameters`] into an [`opendrive::Network`]: the same parameters give the same
+//! bytes. A style (`layouts/`) states nodes, edges and the ground under them ([`layout`] has a worked
+//! example); every style shares the builder: streets with their lanes, heights and bends, junctions of all
+//! kinds, signals and signs, bridges and tunnels.
 //!
 //! ```
 //! let parameters = town::named("convoy/demo").unwrap_or_default();
@@ -63,8 +63,8 @@ use opendrive::Network;
 /// Right-hand traffic, metres, x east, y north, the town's middle near the origin.
 ///
 /// # Errors
-/// [`TownError`] where a parameter is out of range, or what it asks for has no room: streets too short or too steep,
-/// bends too tight, roads that cross without a junction or enough height between them.
+/// [`TownError`] where a parameter is out of range, or what it asks for has no room: streets too short or too
+/// steep, bends too tight, roads that cross without a junction or enough height between them.
 pub fn generate(parameters: &TownParameters) -> Result<Network, TownError> {
     parameters.check()?;
     assemble::build(&layouts::layout(parameters)?)

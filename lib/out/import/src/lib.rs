@@ -1,9 +1,9 @@
 //! Datasets in SimBEV2X's layout as stores.
 //!
-//! [`Source::open`] looks through a dataset, [`import`] writes its scenes into a store. What is read was written by others:
-//! pickles are read by a machine of our own that calls nothing ([`pickle`]), no path leads out of the
-//! dataset's folder ([`Folder`]), every size is bounded, and what is wrong is an error that names file and
-//! place.
+//! [`Source::open`] looks through a dataset, [`import`] writes its scenes into a store. What is read was
+//! written by others: pickles are read by a machine of our own that calls nothing ([`pickle`]), no path leads
+//! out of the dataset's folder ([`Folder`]), every size is bounded, and what is wrong is an error that names
+//! file and place.
 
 mod arrays;
 mod cast;

@@ -1,12 +1,12 @@
 //! What cameras see and what rays hit: the interface of renderers, and the one on the CPU.
 //!
-//! [`Renderer`] owns prepared meshes; [`Renderer::place`] puts the instances of one frame over them and gives a
-//! [`Scene`], which answers two questions: what cameras see ([`Scene::render`]) and what rays hit ([`Scene::trace`]).
-//! Many are asked at once; a [`CameraQuery`] and a [`RayQuery`] say among which instances, when, and what is
-//! wanted. Cameras, shadow maps, lidars and radars ask nothing else, and [`VoxelRenderer`] answers voxel
-//! grids. Answers are plain buffers of numbers, nothing that lives on one device; [`Surfaces`] recovers the
-//! exact surface point of every pixel from them, the same for all renderers. [`cpu`] and the voxels of
-//! `labels` fill the seam on the CPU.
+//! [`Renderer`] owns prepared meshes; [`Renderer::place`] puts the instances of one frame over them and gives
+//! a [`Scene`], which answers two questions: what cameras see ([`Scene::render`]) and what rays hit
+//! ([`Scene::trace`]). Many are asked at once; a [`CameraQuery`] and a [`RayQuery`] say among which
+//! instances, when, and what is wanted. Cameras, shadow maps, lidars and radars ask nothing else, and
+//! [`VoxelRenderer`] answers voxel grids. Answers are plain buffers of numbers, nothing that lives on one
+//! device; [`Surfaces`] recovers the exact surface point of every pixel from them, the same for all
+//! renderers. [`cpu`] and the voxels of `labels` fill the seam on the CPU.
 //!
 //! Every renderer keeps to this:
 //! * everything is in the snapshot's local frame (metres, `f32`), cameras in their optical frame;

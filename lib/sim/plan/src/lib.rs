@@ -1,8 +1,8 @@
 //! Scene planning: which scenes, where, how long, in which weather.
 //!
-//! [`plan`] turns a dataset's settings and its maps into one row per scene and agent. Each scene depends on the
-//! dataset's seed, its own number, its map and the settings alone, so [`plan_scene`] gives the same rows as
-//! the whole plan does. [`enrol`] gives scenes their numbers, so that a dataset can grow. Every topic
+//! [`plan`] turns a dataset's settings and its maps into one row per scene and agent. Each scene depends on
+//! the dataset's seed, its own number, its map and the settings alone, so [`plan_scene`] gives the same rows
+//! as the whole plan does. [`enrol`] gives scenes their numbers, so that a dataset can grow. Every topic
 //! (durations, weather, vehicles, ...) draws from its own named random stream.
 //!
 //! ```

@@ -1,7 +1,8 @@
 //! Drivers, signals and walkers on rapier3d: one scene from the plan to the log.
 //!
-//! [`simulate`] places the scene's actors at rest, runs the warm-up, and logs the state of every moving object and
-//! signal from one period before frame 0 to the last frame, in steps of [`schema::FRAME_PERIOD_S`].
+//! [`simulate`] places the scene's actors at rest, runs the warm-up, and logs the state of every moving
+//! object and signal from one period before frame 0 to the last frame, in steps of
+//! [`schema::FRAME_PERIOD_S`].
 //!
 //! Drivers follow lanes with the intelligent driver model, obey signals, take turns at junctions and stop for
 //! walkers. The rigid-body engine moves the bodies: as drivers wish while nothing touches, and by its contact

@@ -1,6 +1,7 @@
 //! Bird's-eye-view masks: what lies on the ground around an agent, and what stands on it.
 //!
-//! [`BevRasterizer`] draws them by the rule `exact`, which follows; [`LaneRasterizer`] by the rule `simbev2x`.
+//! [`BevRasterizer`] draws them by the rule `exact`, which follows; [`LaneRasterizer`] by the rule
+//! `simbev2x`.
 //!
 //! The grid follows the agent's yaw and planar position only. Row 0 is farthest ahead, column 0 farthest to
 //! the left; the agent's origin is the corner between the four middle cells.

@@ -10,11 +10,12 @@
 //! two planes of constant x; walking that border finds exactly the cells that separating axes would, at a
 //! small part of the cost.
 //!
-//! [`CpuVoxelRenderer::cell_rows`] lists the same cells with their objects and velocities, slab by slab, so that grids of any size
-//! fit; [`CpuVoxelRenderer::sweep`] gives the shells that sweeps along the axes meet first.
+//! [`CpuVoxelRenderer::cell_rows`] lists the same cells with their objects and velocities, slab by slab, so
+//! that grids of any size fit; [`CpuVoxelRenderer::sweep`] gives the shells that sweeps along the axes meet
+//! first.
 //!
-//! [`CpuVoxelRenderer`] does this behind the seam of [`render::VoxelRenderer`]; [`GridPlacement`] says where the grid of an
-//! agent is.
+//! [`CpuVoxelRenderer`] does this behind the seam of [`render::VoxelRenderer`]; [`GridPlacement`] says where
+//! the grid of an agent is.
 //!
 //! ```
 //! use settings::OccupancySettings;

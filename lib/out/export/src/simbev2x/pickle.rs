@@ -214,8 +214,8 @@ mod tests {
         let record = vec![("v", Value::Vector([1.0, 2.0, 3.0]))];
         let one = object_file(std::slice::from_ref(&record)).expect("fits");
         let two = object_file(&[record.clone(), record]).expect("fits");
-        // The second:
-        // `}(h KEY h _reconstruct h ndarray K0 TUPLE1 C1 b TUPLE3 R ( K1 K3 TUPLE1 h dtype NEWFALSE C24 ... t b u`.
+        // The second one: `}(h KEY h _reconstruct h ndarray K0 TUPLE1 C1 b TUPLE3 R`, then
+        // `( K1 K3 TUPLE1 h dtype NEWFALSE C24 ... t b u`.
         assert_eq!(two.len() - one.len(), 2 + 2 + 4 + 8 + 1 + 4 + 1 + 2 + 1 + 2 + 24 + 2 + 1);
         assert_eq!(two.windows(14).filter(|w| w == b"numpy\nndarray\n").count(), 1);
     }

@@ -22,8 +22,8 @@ pub use error::PickleError;
 /// the memo is counted each time, and may come to four times the pickle and 16 MiB.
 ///
 /// # Errors
-/// [`PickleError`], with the place: truncated, an opcode or name that is not known, values that do not fit together, more than
-/// the limits, or something behind the end.
+/// [`PickleError`], with the place: truncated, an opcode or name that is not known, values that do not fit
+/// together, more than the limits, or something behind the end.
 pub fn parse(bytes: &[u8]) -> Result<Value, PickleError> {
     let (nodes, root) = machine::run(bytes)?;
     expand::expand(bytes, &nodes, root)

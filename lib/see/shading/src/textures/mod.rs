@@ -1,8 +1,8 @@
 //! Textures for the shading of pictures: tiles that repeat without a seam, with coarser copies, made from
 //! fixed seeds.
 //!
-//! [`Textures::get`] makes all of them at the first call. A [`Texture`] is read eight places at a time; [`Noise`] is the same for one
-//! value without a meaning.
+//! [`Textures::get`] makes all of them at the first call. A [`Texture`] is read eight places at a time;
+//! [`Noise`] is the same for one value without a meaning.
 //!
 //! ```
 //! use simd::{F32x8, STEPS};

@@ -91,7 +91,8 @@ impl Noise {
         Self { levels, quads }
     }
 
-    /// [`at`](Self::at) eight places, whose footprints are alike: all are read as the smallest of them wants it.
+    /// [`at`](Self::at) eight places, whose footprints are alike: all are read as the smallest of them wants
+    /// it.
     #[inline]
     pub fn at_all(&self, x: F32x8, y: F32x8, footprint: F32x8) -> F32x8 {
         let f = footprint.as_array();

@@ -1,9 +1,13 @@
-//! A vehicle, in parts that each own what they change: others read them, and change them by what is meant to
-//! happen.
+//! A vehicle. Each part of it changes its own data alone; others read it, or call its methods.
 //!
-//! [`Route`]: where it goes. [`Motion`]: where it is. [`Lateral`]: what it is off its lane's middle. [`Driver`]: who drives.
-//! [`LaneChoice`]: which lane it asks for. [`Claim`]: what is reserved for it in junctions. [`Doors`]: which are open. [`Towed`]: what
-//! comes after it.
+//! * [`Route`]: where it goes
+//! * [`Motion`]: where it is
+//! * [`Lateral`]: its offset from the middle of its lane
+//! * [`Driver`]: how its driver behaves
+//! * [`LaneChoice`]: which lane it asks for
+//! * [`Claim`]: what is reserved for it in junctions
+//! * [`Doors`]: which doors are open
+//! * [`Towed`]: the section that it tows
 
 pub(crate) mod activity;
 pub(crate) mod attention;
