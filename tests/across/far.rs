@@ -178,8 +178,8 @@ fn tiles_are_shared_counted_and_missed() {
     bench.run("simulate-and-log", &["--force"]).expect_done();
     assert_eq!(before, std::fs::metadata(&path).and_then(|m| m.modified()).expect("is there"));
 
-    // A tile that was cut short is seen by verify; gone with its manifest, whoever needs it says what to do;
-    // and it comes back as it was.
+    // A tile that was cut short is seen by verify; gone with its manifest, the stage that needs it says what
+    // to do; and it comes back as it was.
     let folder = path.parent().expect("has a folder").to_owned();
     let bytes = std::fs::read(&path).expect("reads");
     std::fs::write(&path, &bytes[..bytes.len() / 2]).expect("truncates");

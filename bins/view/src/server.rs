@@ -100,8 +100,8 @@ fn converse(stream: &TcpStream, port: u16, site: &Site) -> io::Result<()> {
     }
 }
 
-/// Answers a request. Whoever names another host than this machine has been sent here by a foreign page whose
-/// name was made to point here (DNS rebinding), and gets nothing.
+/// Answers a request. A request that names another host than this machine comes from a foreign page
+/// whose name was made to point here (DNS rebinding); it gets nothing.
 fn answer(request: &Request, port: u16, site: &Site, out: &mut impl Write) -> io::Result<()> {
     let with_body = request.method != "HEAD";
     let hosts = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];

@@ -63,7 +63,7 @@ fn on<'a>(config: &'a Path, store: &'a Path) -> [&'a OsStr; 4] {
 
 fn run(name: &str, args: &[&OsStr]) {
     let mut command = Command::new(program(name));
-    // Variables of whoever runs the tests would go before the configuration.
+    // Environment variables of the user who runs the tests would override the configuration.
     for (variable, _) in std::env::vars_os().filter(|(v, _)| v.to_string_lossy().starts_with("CONVOY_")) {
         command.env_remove(variable);
     }

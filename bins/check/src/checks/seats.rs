@@ -24,7 +24,7 @@ const PLACE_M: f64 = 0.01;
 const TURN_RAD: f64 = 1e-3;
 const STILL_MPS: f64 = 1e-3;
 
-/// Checks that whoever sits does so on a bench.
+/// Checks that people who sit are on a bench.
 pub(crate) fn check(scene: &Scene, ledger: &mut Ledger) {
     let benches: Vec<(u16, &Actor)> = scene
         .actors

@@ -5,7 +5,7 @@ use crate::math::sin_cos;
 /// A rectangle of the plan (x east, y north, metres), turned any way.
 ///
 /// By hand and in `f64`: parry3d would be the crate for it, but it is built for `f32` here (rapier3d's), and
-/// whoever places things would compile all of it for these few lines.
+/// every crate that places things would compile all of it for these few lines.
 ///
 /// ```
 /// use frames::OrientedRect;

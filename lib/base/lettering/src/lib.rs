@@ -1,7 +1,7 @@
 //! Capitals and digits of one weight, of our own design: for the faces of signs and for words on roads.
 //!
 //! A letter is drawn with a broad pen along a few lines and quarters of ellipses ([`glyphs`](self)); what
-//! comes out are the outlines of these strokes. Heights of capitals are 1: whoever writes scales them, for a
+//! comes out are the outlines of these strokes. Heights of capitals are 1: callers scale them, for a
 //! road along the lane.
 //!
 //! ```

@@ -10,7 +10,8 @@ use crate::model::{Age, BaseType, Gender, Model, Person, Special};
 use crate::models::{self, MODELS};
 use crate::paints::COMMON;
 
-/// The models that a dataset is planned and simulated with. Whoever draws models takes it as an argument.
+/// The models that a dataset is planned and simulated with. Functions that draw models take it as an
+/// argument.
 #[derive(Debug, Default, PartialEq)]
 pub struct Catalogue {
     /// Those of packs, by name, with their weights.

@@ -120,7 +120,7 @@ impl PixelRays {
                 }
                 found.on_edges += 1;
                 found.differing += 1;
-                // Whoever missed what is nearer must have had an edge there.
+                // A renderer that missed the nearer triangle must have had an edge there.
                 let by_rounding = match (a, b) {
                     (Some(a), Some(b)) => {
                         let ahead = a.inverse_depth - b.inverse_depth;

@@ -87,7 +87,7 @@ pub enum Sighting {
     /// Nobody's of those that count.
     #[default]
     Nobody,
-    /// The ego's, whoever else's.
+    /// Those of the ego, whoever else sees them.
     Ego,
     /// Those of partners alone.
     Partners,

@@ -180,7 +180,7 @@ fn errors(target: &Target, prediction: &Prediction) -> [f64; 4] {
 }
 
 /// The area below precision over recall, from (0, 1) on and without points of low precision; NaN without
-/// targets. Whoever found a target of another level is neither right nor wrong, and not among them.
+/// targets. A prediction that found a target of another level is neither right nor wrong, and not counted.
 fn average_precision(is_right: impl Iterator<Item = bool>, targets: u64) -> f64 {
     if targets == 0 {
         return f64::NAN;

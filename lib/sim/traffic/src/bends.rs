@@ -1,5 +1,5 @@
-//! Bends so tight that long vehicles need the lane of those who come towards them, too: whoever would touch
-//! there waits before the bend until the other one is through.
+//! Bends so tight that long vehicles need the opposite lane, too: a vehicle that would touch another
+//! one there waits before the bend until the other one is through.
 //!
 //! A vehicle holds a bend from when it could hardly stop before it until its rear has left it. Vehicles that
 //! have room beside one another hold it together, so that cars never wait for cars. Who has waited for long

@@ -6,10 +6,10 @@
 //!
 //! Drivers follow lanes with the intelligent driver model, obey signals, take turns at junctions and stop for
 //! walkers. The rigid-body engine moves the bodies: as drivers wish while nothing touches, and by its contact
-//! solver when a driver who looks at nothing hits something. Parked vehicles stop whoever runs into them;
-//! cones and tools are pushed away; two who graze each other side by side drive on; a vehicle that nobody
-//! drives any more hits people on the sidewalk, too. Walkers go along sidewalks, and along the edges of roads
-//! that have none; some in groups, and some stand and wait or talk.
+//! solver when a driver who looks at nothing hits something. Parked vehicles stop vehicles that run into
+//! them; cones and tools are pushed away; two who graze each other side by side drive on; a vehicle that
+//! nobody drives any more hits people on the sidewalk, too. Walkers go along sidewalks, and along the edges
+//! of roads that have none; some in groups, and some stand and wait or talk.
 
 mod acceleration;
 mod activation;

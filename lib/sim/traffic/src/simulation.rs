@@ -404,7 +404,8 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Ends the drive of whoever had an accident, and follows bodies that nobody steers or that were pushed.
+    /// Ends the drive of vehicles that had an accident, and follows bodies that no driver steers or that were
+    /// pushed.
     fn take_hits(&mut self) {
         for hit in self.bodies.hits() {
             let is_accident = self.is_accident(&hit);

@@ -1,5 +1,5 @@
-//! The ground that vehicles are about to sweep, corners and all: drivers stop for whoever is on it, be it
-//! beside their lane, and for what stands there in accidents and road works; walkers who are not crossing
+//! The ground that vehicles are about to sweep, corners and all: drivers stop for people and vehicles
+//! on it, also beside their lane, and for obstacles of accidents and road works; walkers who are not crossing
 //! step back from it.
 
 use catalogue::trains::Train;

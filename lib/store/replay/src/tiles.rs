@@ -178,7 +178,7 @@ impl<'a> TileStore<'a> {
         let attempt = match Attempt::start_once(self.store, identity)? {
             Ok(attempt) => attempt,
             Err(manifest) => {
-                // Whoever put it there may have been killed just then.
+                // The process that put it there may have been killed just then.
                 Attempt::tidy(self.store, Scope::Tile { set: self.set, index }, TILE_STAGE)?;
                 return Ok((manifest, None));
             }

@@ -1,4 +1,4 @@
-//! Tiles in a store: made once, whoever asks and however many at once.
+//! Tiles in a store: made once, however many processes ask at once.
 #![allow(clippy::unwrap_used, reason = "tests may stop")]
 
 use std::collections::BTreeSet;

@@ -102,7 +102,7 @@ impl Attempt {
     }
 
     fn so_far(&self) -> MutexGuard<'_, SoFar> {
-        // Whoever panicked within left a state that holds: outputs are told of when they stand.
+        // A thread that panicked inside left a valid state: outputs are recorded once they are stored.
         self.so_far.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -35,7 +35,7 @@ impl Failed {
     /// Keeps the error and returns one like it, to be passed on.
     pub(crate) fn remember(&self, error: io::Error) -> io::Error {
         let copy = error.raw_os_error().map_or_else(|| error.kind().into(), io::Error::from_raw_os_error);
-        // Whoever is interrupted tries again.
+        // Interrupted writes are tried again.
         if error.kind() != io::ErrorKind::Interrupted
             && let Ok(mut slot) = self.0.lock()
         {

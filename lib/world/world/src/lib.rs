@@ -1,7 +1,7 @@
 //! The meshes of a scene, and which of them are where at a time.
 //!
 //! [`SceneWorld`] turns the log's actors and the ground of its tiles into triangles: [`SceneWorld::snapshot`]
-//! gives everything near a place at one frame. Whoever builds a world from the same rows and ground gets the
+//! gives everything near a place at one frame. Equal rows and ground always give the
 //! same triangles.
 //!
 //! * The ground (road, paint, sidewalks, terrain, bridges) comes in pieces; each layer is one object (crate

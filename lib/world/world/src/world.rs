@@ -122,7 +122,8 @@ impl Pieces {
 /// The lights that work sites are lit with.
 const WORK_LIGHT: &str = "prop.construction_light";
 
-/// Shadows of what stands still are those of its meshes at this distance, metres, whoever looks.
+/// Shadows of static objects are those of their meshes at this level-of-detail distance, metres, for every
+/// camera.
 const STILL_M: f64 = 40.0;
 
 /// Bounding radius of somebody with limbs, as a share of the sum of length, width and height.

@@ -121,7 +121,7 @@ pub(crate) fn collect<T: Send>(
         })
         .collect();
     let of = &of;
-    // Collected in the order of instances, whoever did which part.
+    // Collected in the order of instances, whichever thread computed them.
     out.par_extend(inside.par_iter().flat_map_iter(|(number, instance, to_cells)| {
         let mesh = snapshot.mesh(instance);
         let corners: Vec<Vec3A> =

@@ -86,7 +86,7 @@ impl CpuVoxelRenderer {
                 rows
             },
         );
-        // Slab after slab, whoever did which.
+        // Slab after slab, whichever thread computed it.
         let slabs: Vec<CellRows> = slabs.collect();
         let mut all = CellRows::default();
         for slab in slabs {

@@ -1,4 +1,4 @@
-//! Where vehicles may start: one rule for whoever places them.
+//! Where vehicles may start: one rule for all that place vehicles.
 
 use std::collections::BTreeMap;
 

@@ -74,7 +74,7 @@ pub struct Lane {
     pub materials: Vec<LaneMaterial>,
     /// Who may use it, by offset; records with one offset hold together.
     pub accesses: Vec<LaneAccess>,
-    /// Rules in the words of whoever made the file, by offset.
+    /// Rules as the maker of the file has them, by offset.
     pub rules: Vec<LaneRule>,
     /// Other elements of it, kept as they are.
     pub kept: Vec<Element>,
@@ -85,7 +85,7 @@ pub struct Lane {
 pub struct LaneMaterial {
     /// Metres after the section's start.
     pub s_offset: f64,
-    /// Code of the material, in the words of whoever made the file.
+    /// Code of the material, as the maker of the file has it.
     pub surface: String,
     /// Coefficient of friction, if stated.
     pub friction: Option<f64>,

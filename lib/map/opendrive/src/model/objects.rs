@@ -73,7 +73,7 @@ pub struct ParkingSpace {
 /// What an object is made of.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjectMaterial {
-    /// Code of the material, in the words of whoever made the file.
+    /// Code of the material, as the maker of the file has it.
     pub surface: String,
     /// Coefficient of friction, if stated.
     pub friction: Option<f64>,

@@ -1,8 +1,8 @@
 //! MCAP files (mcap.dev/spec), as far as they are written here: schemas and channels first, then chunks with
 //! an index each, a summary at the end.
 //!
-//! By hand: the format is a list of records with lengths. So a chunk is made by whoever has its messages, on
-//! any thread, and the file holds no clock, no version of a library, and no order but ours.
+//! By hand: the format is a list of records with lengths. So any thread that has the messages of a
+//! chunk makes it, and the file holds no clock, no version of a library, and no order but ours.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};

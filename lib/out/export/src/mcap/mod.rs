@@ -1,5 +1,5 @@
 //! MCAP files (mcap.dev) of Foxglove's messages in protocol buffers: one for each scene, for Foxglove, Rerun
-//! and whoever reads recordings of robots.
+//! and other readers of robot recordings.
 //!
 //! ```text
 //! SPLIT/scene_SSSS.mcap

@@ -2,8 +2,8 @@
 //! and one reciprocal by which depths are compared.
 //!
 //! Nothing here is fused, divided or rooted: adding, subtracting and multiplying round alike on all
-//! processors, divisions need not. So whoever follows these steps elsewhere gets the same ids and the same
-//! bits of depth.
+//! processors, divisions need not. So another implementation of these steps gets the same ids and the
+//! same bits of depth.
 #![allow(clippy::needless_range_loop, reason = "one index runs through many lane arrays")]
 
 /// Vectors by axis and lane.

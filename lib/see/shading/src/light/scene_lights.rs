@@ -46,7 +46,8 @@ impl<'a> SceneLights<'a> {
     fn sky(&self, when: &FrameWeather) -> Arc<Sky> {
         let known = self.skies.lock().ok().and_then(|skies| skies.get(&when.frame).cloned());
         known.unwrap_or_else(|| {
-            // Outside the lock: others need not wait, and whoever makes a sky twice makes the same one.
+            // Computed outside the lock, so that others need not wait: two threads may compute a sky twice,
+            // with equal results.
             let sky = Arc::new(Sky::new(&when.weather, when.time_s));
             if let Ok(mut skies) = self.skies.lock()
                 && skies.len() < MOST_SKIES

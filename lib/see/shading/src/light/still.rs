@@ -138,7 +138,7 @@ impl<'a> StillMaps<'a> {
         if let Some(known) = self.walls.lock().ok().and_then(|walls| known(&walls)) {
             return Ok(known);
         }
-        // Outside the lock: whoever makes them twice makes the same ones.
+        // Computed outside the lock: two threads may compute the same maps, with equal results.
         let snapshot = self.world.around(lens.centre_m.to_array(), ASIDE_M);
         let made = Arc::new(Walls::new(&*self.renderer.place(&snapshot)?, lens)?);
         if let Ok(mut walls) = self.walls.lock() {
@@ -151,7 +151,7 @@ impl<'a> StillMaps<'a> {
     }
 
     fn kept(&self) -> MutexGuard<'_, Kept> {
-        // Whoever panicked within left a whole entry or none.
+        // A thread that panicked inside left a whole entry or none.
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

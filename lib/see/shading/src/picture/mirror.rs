@@ -1,8 +1,8 @@
 //! What wet ground mirrors: other parts of the same picture.
 //!
 //! Where a mirrored ray ends is looked up in the picture's own depths. The ray runs nearly in the upright
-//! plane through the camera, and most things stand: whoever follows it to the distance of what is seen there,
-//! and looks again, comes to its end in a few steps and passes nothing that stands in the way. Of what the
+//! plane through the camera, and most things stand: a search that follows it to the depth of the pixel
+//! found there, and looks again, ends in a few steps and passes nothing that stands in the way. Of what the
 //! picture does not show (undersides, what is beyond its edges) there is what the agent sees around it in
 //! that direction.
 

@@ -272,7 +272,7 @@ fn reason_at_line(film: &Film<'_>, body: &Body, junction: Option<usize>, i: usiz
     if body.track[later].speed_mps > STANDING_MPS {
         return Some(Reason::SettingOff);
     }
-    // Whoever stops at a sign, too, waits for room behind the junction.
+    // Vehicles that stop at a sign wait for room behind the junction, too.
     if junction.is_some()
         && let Some(m) = exit_blocked(film, body, i)
     {

@@ -9,7 +9,7 @@ use super::film::{Body, Film, Snap};
 /// Walkers that touch one another by less than this do not, and vehicles that miss something by less do
 /// touch: rounding, and what the solver keeps free between bodies that push each other, metres.
 const ROUNDING_M: f64 = 0.02;
-/// Wrecks push whoever comes as near as this, metres.
+/// Wrecks push people and vehicles nearer than this, metres.
 const PUSHED_M: f64 = 0.1;
 /// Side of a cell, metres: more than the longest body.
 const CELL_M: f64 = 16.0;

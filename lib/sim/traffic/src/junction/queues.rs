@@ -1,4 +1,5 @@
-//! Queues before and in junctions: whoever has leave and is behind somebody can only go on with that one.
+//! Queues before and in junctions: a vehicle with a reservation that is behind another one can only go on
+//! with that one.
 
 use crate::occupancy::Occupancy;
 use crate::road::net::Net;

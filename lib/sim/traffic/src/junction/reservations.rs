@@ -62,8 +62,8 @@ impl ReservationTable {
         self.keep(vehicle, me, |r| r.start_m <= front);
     }
 
-    /// Makes the leave of whoever is ahead on its way to a lane as old as that of those behind: who lets
-    /// those pass that it follows would wait for itself otherwise.
+    /// Makes the reservation of the vehicle ahead on the way to a lane as old as those of the vehicles behind
+    /// it: otherwise a vehicle that yields to its own follower would wait for itself.
     pub(crate) fn keep_order(&self, vehicles: &mut [Vehicle]) {
         for (lane, holders) in self.holders.iter().enumerate().filter(|(_, holders)| holders.len() > 1) {
             let mut row: Vec<(f64, usize)> = Vec::with_capacity(holders.len());

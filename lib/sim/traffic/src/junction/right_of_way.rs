@@ -7,8 +7,8 @@
 //! line and is so far away that it need not brake: that one asks again. Reservations end when the vehicle's
 //! rear has left the lane.
 //!
-//! Nobody waits for ever inside: whoever waits there waits for an older reservation, or for who is ahead on
-//! its lane and has one as old; the oldest one can leave, because entry needs room behind the junction. Where
+//! No vehicle waits for ever inside: it waits for an older reservation, or for the vehicle ahead on its lane,
+//! whose reservation is as old; the oldest one can leave, because entry needs room behind the junction. Where
 //! ways are reserved in parts, the next part may be held by one who stands for who asks for it: it is given
 //! then, and with the age of the part before, or both would stand for good.
 //!
@@ -17,10 +17,10 @@
 //! behind them, or to respect claims; and if all stand, who is on them goes before who waits to merge.
 //!
 //! Requests are served by rank: who is inside, who waits for long, who has no sign and does not turn left at
-//! a light, the others; then in the order in which drivers came to the line, vehicle numbers breaking ties.
-//! Whoever has been refused for long claims its way and the room behind it, for some seconds at a time: those
-//! who come later get no leave across the one or into the other, so that a busy road does not starve a side
-//! street.
+//! a light, the others; then in the order in which drivers came to the line, vehicle numbers breaking ties. A
+//! vehicle that has been refused for long claims its way and the room behind it, for some seconds at a time:
+//! later vehicles get no reservation across the one or into the other, so that a busy road does not starve a
+//! side street.
 
 use crate::car_following::{COMFORT_BRAKING, braking_to_stop};
 use crate::junction::approach::{Approach, Line, OPEN, class_of, forbids, slow_down};
@@ -211,7 +211,7 @@ impl RightOfWay {
         let (net, vehicle) = (now.net, &mut vehicles[me]);
         self.table.release_passed(net, vehicle, me);
         if vehicle.is_crashed() {
-            // Whoever meets the wreck sees it on its lane.
+            // Vehicles that come to the wreck see it on their lane.
             self.table.release_all(vehicle, me);
             return None;
         }
@@ -395,8 +395,8 @@ impl RightOfWay {
         movement: Vec<(usize, f64)>,
     ) {
         let odometer = vehicles[me].route().odometer_m();
-        // Whoever stands for this one on the way it has stands for it on the way it gets: its leave is as
-        // old.
+        // Vehicles that yield to this one on its old way yield to it on its new way: its
+        // reservation is as old.
         let age = vehicles[me].claim().oldest();
         let stood_for = vehicles.iter().any(|other| self.yields_to(other, me));
         for (lane, start) in movement {

@@ -1,4 +1,4 @@
-//! Which way leads to which, so that whoever follows them never jumps.
+//! Which way leads to which, so that a vehicle that follows them never jumps.
 //!
 //! Files link lanes whose ends lie apart (a lane that ends beside the one it is said to go on as, for one).
 //! There the way before is bent to meet the way after, as drivers do who change lanes.

@@ -33,7 +33,7 @@ use crate::walking::waiting::WaitingPlaces;
 use crate::walking::walker::{AWAITS_S, WHEELCHAIR_MPS, Walker};
 use crate::walking::walking_group::{WalkingGroup, abreast, draw_sizes};
 
-/// Whoever stands and waits when a scene begins does so for another so many seconds, at least and at most.
+/// Pedestrians who wait when a scene begins go on waiting for this long, seconds, at least and at most.
 const WAITS_S: [f64; 2] = [5.0, 90.0];
 /// Groups stand when a scene begins, and talk, so many times as often as those who are alone.
 const TALKS: f64 = 2.0;

@@ -35,8 +35,8 @@ enum State {
     Open([bool; 4]),
 }
 
-/// The doors of a vehicle in traffic: at every stop somebody may open one, or all; whoever drives off closes
-/// them.
+/// The doors of a vehicle in traffic: at every stop one of them, or all, may open; they close when the
+/// vehicle drives off.
 #[derive(Clone, Debug)]
 pub(crate) struct Doors {
     model: &'static Model,

@@ -143,7 +143,7 @@ impl Crowd {
     /// what of it leads past the one in the way, or nothing.
     pub(crate) fn step(&self, me: usize, step: Vector2<f64>, fixtures: &Fixtures) -> Vector2<f64> {
         let Some(own) = self.discs.get(me) else { return Vector2::zeros() };
-        // The way towards whoever or whatever is first found in the way of a step.
+        // The direction of the first person or obstacle that blocks a step.
         let blocker = |step: &Vector2<f64>| {
             let person = self.near(own.point).find(|(j, d)| {
                 let away = flat(&own.point, &d.point);

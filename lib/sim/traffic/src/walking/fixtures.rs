@@ -9,7 +9,7 @@ use schema::footprint::Footprint;
 const CELL_M: f64 = 4.0;
 /// Things are looked for this far around a walker, metres.
 const LOOK_M: f64 = 4.0;
-/// Whoever is farther below a thing's foot is on another level, metres.
+/// A pedestrian farther below an obstacle's foot than this is on another level, metres.
 const LEVEL_M: f64 = 2.5;
 
 /// An upright box, turned.

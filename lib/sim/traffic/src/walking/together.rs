@@ -1,5 +1,5 @@
-//! How groups keep together: whoever is ahead of the others slows down, and whoever is behind hurries, until
-//! they walk abreast again, as far as the way has room for that.
+//! How groups keep together: members ahead of the others slow down, and members behind hurry,
+//! until they walk abreast again, as far as the way has room for that.
 
 use nalgebra::Vector2;
 

@@ -11,7 +11,7 @@ use crate::grid::Grid;
 use crate::walking::paths::Paths;
 use crate::walking::seats::{self, Seat};
 
-/// Whoever waits does so within this distance of where it was to start, metres.
+/// Pedestrians wait within this distance of where they were to start, metres.
 const WITHIN_M: f64 = 60.0;
 /// A building's front and a bench are within this distance of the way, metres.
 const FRONT_M: f64 = 8.0;

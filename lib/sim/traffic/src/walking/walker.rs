@@ -41,7 +41,7 @@ const STUCK_S: f64 = 4.0;
 const HALT_MPS2: f64 = 2.5;
 const TURN_MPS: f64 = 0.4;
 
-/// Whoever is as near to a lane's middle is on it for drivers, metres.
+/// A pedestrian this near to a lane's middle is on the lane for drivers, metres.
 const LANE_SIDE_M: f64 = 2.5;
 
 /// Who is in the way of a vehicle's corner steps back as fast as this, m/s, and looks this far ahead,

@@ -369,7 +369,7 @@ fn some_who_wait_sit_on_benches() {
             assert!(track.iter().all(|s| s.seat_m == 0.0));
             continue;
         }
-        // Half of a bench's height is its seat's; whoever sits stays there.
+        // A bench's seat is at half its height; people who sit stay there.
         assert!((seat_m - 0.425).abs() < 1e-6, "{seat_m}");
         let same = |s: &&StateRow| s.xyz_m == track[0].xyz_m && s.seat_m == track[0].seat_m;
         assert!(track.iter().all(same), "{} moves", walker.id);

@@ -3,10 +3,10 @@
 //! the objects of one area; it knows sizes but no meshes: a changed mesh leaves the simulation alone.
 //!
 //! What stands somewhere does not depend on where one began to look. Candidates are drawn along each side of
-//! each road from its start, the same whoever draws them; kind by kind (parked vehicles, buildings, lamps,
-//! fences, trees, bushes, furniture, racks, signs) each keeps off what stands already, and among those of its
-//! kind it stands if no candidate of a higher rank is in its way. So everything depends on a bounded piece of
-//! land, and an area is made from that much around it.
+//! each road from its start, the same for every tile that draws them; kind by kind (parked vehicles,
+//! buildings, lamps, fences, trees, bushes, furniture, racks, signs) each keeps off what stands already, and
+//! among those of its kind it stands if no candidate of a higher rank is in its way. So everything depends on
+//! a bounded piece of land, and an area is made from that much around it.
 //!
 //! ```
 //! use schema::ActorKind;

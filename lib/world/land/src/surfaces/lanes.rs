@@ -38,8 +38,8 @@ pub fn beside_edge(land_m: f64, edge_m: f64, far_m: f64) -> f64 {
     }
 }
 
-/// Ways through a junction lie on one another: each this much over the next one, metres, so that whoever
-/// looks there sees one of them, and not both in turn; few junctions have more ways than there are heights.
+/// Ways through a junction lie on one another: each this much over the next one, metres, so that a
+/// picture shows one of them, and not both in turn; few junctions have more ways than there are heights.
 /// What is drawn at their edges stays narrower than a fifth of a millimetre.
 const OVER_M: f64 = 4e-6;
 const WAYS: u32 = 47;

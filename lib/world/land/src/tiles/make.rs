@@ -19,7 +19,7 @@ pub struct Tile {
     pub objects: Vec<TileObjectRow>,
 }
 
-/// The static world around some places, for whoever keeps no store.
+/// The static world around some places, without a store.
 #[derive(Clone, Debug)]
 pub struct Surroundings {
     /// What stands there, and the surfaces, with ids.

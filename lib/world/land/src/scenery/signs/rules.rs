@@ -49,7 +49,7 @@ pub(super) enum RoadsidePosition {
 /// A sign that a side of a road would have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SignRequest {
-    /// Its number among those of the frontage, whoever looks.
+    /// Its number among the signs of the frontage; it does not depend on the tile that is made.
     pub(super) slot: u64,
     /// Distance from the start of the frontage, metres.
     pub(super) along_m: f64,
@@ -103,7 +103,7 @@ impl Side<'_> {
     }
 }
 
-/// All that a side would have, the same whoever asks. None where nobody drives.
+/// All signs that a side would have, the same for every tile that asks. None where no vehicles drive.
 pub(super) fn wishes(site: &Site<'_>, front: &Frontage, paint: &Painted) -> Vec<SignRequest> {
     let length_m = front.length_m();
     let Some(middle) = front.at(0.5 * length_m).filter(|_| front.traffic.lanes > 0 && !front.track) else {
