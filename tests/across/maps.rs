@@ -12,7 +12,7 @@ use store::{Scope, Store, keys};
 /// Plans and simulates a scene on each map and looks at where vehicles are and whether they drive.
 fn drive(names: &[&str], maps: Option<&Path>) {
     let wanted: String = names.iter().map(|name| format!("\"{name}\" = 1\n")).collect();
-    // Long enough for those to set off who wait for others ahead.
+    // Long enough for vehicles to set off that wait for others ahead.
     let longer = TINY.replace("_duration_s = 1", "_duration_s = 4");
     let bench = Bench::new(&longer.replace("\"convoy/demo\" = 1", &wanted));
     let folder = maps.map(|m| m.display().to_string());

@@ -142,7 +142,7 @@ fn boxes_follow_the_pose(replay: &Replay, ids: &BTreeSet<ObjectId>) {
             let reach = around.max.max(-around.min);
             let size = glam::Vec3::new(2.0 * reach.x, 2.0 * reach.y, around.max.z);
             let off = (size - glam::Vec3::from_array(state.size_m)).abs().max_element();
-            // Who runs is in the air at times.
+            // A runner is in the air at times.
             let highest = if state.gait_mps > 2.0 { 0.1 } else { 0.02 };
             let stands = (-0.02..highest).contains(&around.min.z);
             assert!(
@@ -180,7 +180,7 @@ fn points_lie_in_boxes(scene: &SceneReader, replay: &Replay, ids: &BTreeSet<Obje
                 let at = world_from_agent * Point3::new(x + mount[0], y + mount[1], z + mount[2]);
                 let at = Pose::<World, Object>::from_xyz_wxyz(xyz, turn).inverse() * at;
                 let over = 0.03;
-                // Who walks has a box of their own in each frame.
+                // A walker has a box of its own in each frame.
                 let walks = state.filter(|_| actor.model == ADA);
                 let size_m = walks.map_or([actor.length_m, actor.width_m, actor.height_m], |state| {
                     state.size_m.map(f64::from)

@@ -181,7 +181,7 @@ fn is_covered(map: &Map, [x, y, z]: [f64; 3]) -> bool {
     map.lanes_within(above, reach_m, |_| true).iter().any(LaneHit::is_inside)
 }
 
-/// Who moves, and where the lights hold them.
+/// The moving actors, and where lights stop them.
 struct FilmActors<'a> {
     map: &'a Map,
     actors: BTreeMap<u16, (&'a ActorRow, ActorStyle)>,

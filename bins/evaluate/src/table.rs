@@ -59,7 +59,7 @@ fn line(text: &mut String, first: &str, cells: &[String]) {
     }
 }
 
-/// Of all levels first those of difficulty, then those of distance and of who saw.
+/// Of all levels first those of difficulty, then those of distance and of the agents that saw it.
 const DIFFICULTIES: [Level; 4] = [Level::All, Level::Easy, Level::Medium, Level::Hard];
 const PLACES: [Level; 5] = [Level::Near, Level::Middle, Level::Far, Level::Ego, Level::Partners];
 

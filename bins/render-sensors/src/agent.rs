@@ -27,7 +27,7 @@ impl StillWorld for StaticWorld<'_> {
     }
 }
 
-/// Who looks at a scene, for all agents in it.
+/// The renderers of a scene, for all agents in it.
 #[derive(Clone, Copy)]
 pub(crate) struct Renderers<'a> {
     pub(crate) renderer: &'a dyn Renderer,

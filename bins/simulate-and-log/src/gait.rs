@@ -20,10 +20,10 @@ const EASE: f64 = 0.2;
 /// Slower than this they stand, m/s.
 const STANDS_MPS: f64 = 0.03;
 
-/// Who stands shifts the weight to and fro in so long, seconds.
+/// A standing person shifts the weight to and fro in this time, seconds.
 const IDLES_S: f64 = 4.5;
 
-/// Somebody who walks.
+/// A pedestrian.
 struct Pacer {
     body: Arc<Walker>,
     phase_rad: f64,
@@ -63,7 +63,7 @@ impl Bodies {
     /// Gives a walker the size of its body. Where a stride begins is drawn; those who stand in hazards take
     /// none.
     pub(crate) fn add(&mut self, actor: &mut ActorRow, model: &'static Model, seed: u64, scene: u32) {
-        // Who sits in a wheelchair is as large as that.
+        // A person in a wheelchair is as large as the wheelchair.
         if model.wheel_radius_m > 0.0 {
             return;
         }

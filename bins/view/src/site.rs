@@ -55,7 +55,7 @@ impl Site {
     /// What a URL's path stands for, or why there is nothing there.
     ///
     /// # Errors
-    /// A sentence for who asked.
+    /// A sentence for the user.
     pub(crate) fn content(&self, path: &str) -> Result<Content, String> {
         let text = |text: &str, media_type| Ok(Content::Text(text.to_owned(), media_type));
         match path {

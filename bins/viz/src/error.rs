@@ -32,7 +32,7 @@ pub(crate) enum VizError {
         path: String,
         /// What is wrong.
         problem: String,
-        /// Who made it.
+        /// The program that made it.
         stage: &'static str,
     },
     /// A file cannot be written.

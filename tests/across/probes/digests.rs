@@ -13,7 +13,7 @@ use store::{Manifest, Output, Store, hash_bytes, keys};
 /// By stage and key of a shard, the BLAKE3 of its bytes.
 pub(super) type Digests = BTreeMap<(String, String), String>;
 
-/// Who wrote what was imported, whichever stage it stands for.
+/// The program that wrote imported shards, whichever stage they stand for.
 pub(super) const IMPORT: &str = "import";
 
 /// Many small files that are made alike have one digest for all.

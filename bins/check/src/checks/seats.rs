@@ -1,4 +1,4 @@
-//! Who sits on benches.
+//! People on benches.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +20,8 @@ const PLACES: [f64; 2] = [0.22, -0.22];
 const BACK_M: f64 = 0.05;
 /// How far the middle of a box may be from its place, and the height of the seat from the bench's, m.
 const PLACE_M: f64 = 0.01;
-/// The greatest angle between who sits and the bench, rad, and the greatest velocity of who sits, m/s.
+/// The greatest angle between a sitting person and the bench, rad, and the greatest velocity of the person,
+/// m/s.
 const TURN_RAD: f64 = 1e-3;
 const STILL_MPS: f64 = 1e-3;
 

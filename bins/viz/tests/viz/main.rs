@@ -184,8 +184,8 @@ fn sheets_and_films_have_what_there_is() {
     assert_eq!(bytes[at + 4..at + 8], 2_u32.to_be_bytes());
 }
 
-/// Zeros that stand for what nobody knows are not painted: who asks for them is told, and what else may be
-/// chosen.
+/// Zeros that stand for unknown values are not painted: a user who asks for them is told, and what else may
+/// be chosen.
 #[test]
 fn what_imports_do_not_know_is_told() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -8,6 +8,6 @@ pub const SEAT: f64 = 0.50;
 pub const BACK_M: f64 = 0.09;
 /// Where people sit, as shares of the bench's width from its middle to the left: two have room.
 pub const PLACES: [f64; 2] = [0.22, -0.22];
-/// The middle of somebody's box, who sits, is about so far before the back rest, metres; bodies that lean at
+/// The middle of a sitting person's box is about this far before the back rest, metres; bodies that lean at
 /// it say how far.
 pub const SITS_M: f64 = 0.33;

@@ -118,7 +118,7 @@ pub struct Model {
     pub paints: &'static [[u8; 3]],
     /// Parts of names in SimBEV2X's configurations that mean this model.
     pub simbev2x: &'static [&'static str],
-    /// Of people: who it is.
+    /// Of people: age and gender.
     pub person: Option<Person>,
     /// What it looks like.
     pub body: Body,
@@ -142,17 +142,17 @@ pub enum Special {
     Articulated,
     /// Somebody of the police.
     Police,
-    /// Somebody who works on the road.
+    /// A worker on the road.
     Worker,
     /// Somebody in a wheelchair.
     Wheelchair,
-    /// Somebody who pushes a pram.
+    /// A person who pushes a pram.
     Pram,
-    /// Somebody who leads a dog.
+    /// A person who leads a dog.
     Dog,
 }
 
-/// Who somebody is.
+/// Age and gender of a person.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Person {
     /// How old.

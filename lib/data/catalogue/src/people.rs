@@ -27,7 +27,7 @@ const fn on_foot(name: &'static str, size_m: [f64; 3], special: Special, age: Ag
 /// Somebody of the police.
 pub const POLICE: Model =
     on_foot("walker.police", [0.42, 0.60, 1.84], Special::Police, Age::Adult, Gender::FemaleOneOf(4));
-/// Somebody who works on the road.
+/// A worker on the road.
 pub const WORKER: Model =
     on_foot("walker.worker", [0.42, 0.60, 1.86], Special::Worker, Age::Adult, Gender::FemaleOneOf(4));
 /// Somebody in a wheelchair.
@@ -42,10 +42,10 @@ pub const WHEELCHAIR: Model = Model {
         Gender::FemaleOneOf(2),
     )
 };
-/// Somebody who pushes a pram.
+/// A person who pushes a pram.
 pub const WITH_PRAM: Model =
     on_foot("walker.with_pram", [1.47, 0.60, 1.68], Special::Pram, Age::Adult, Gender::FemaleOneOf(2));
-/// Somebody who leads a dog.
+/// A person who leads a dog.
 pub const WITH_DOG: Model =
     on_foot("walker.with_dog", [0.80, 0.74, 1.70], Special::Dog, Age::Adult, Gender::FemaleOneOf(2));
 

@@ -13,7 +13,7 @@ pub enum ActorRole {
     Agent(AgentId),
     /// A vehicle that no agent drives.
     Background,
-    /// Somebody who walks.
+    /// A pedestrian.
     Walker,
     /// Part of an accident or road works.
     Hazard,

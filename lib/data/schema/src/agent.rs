@@ -1,4 +1,4 @@
-//! Who records: data-collection vehicles and road-side units.
+//! Agents: data-collection vehicles and road-side units.
 
 use std::fmt;
 use std::str::FromStr;

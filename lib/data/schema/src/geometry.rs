@@ -120,7 +120,7 @@ impl Surface {
     }
 }
 
-/// How deep a door is with its lining, metres: who looks through a [`Surface::Opening`] sees what is behind
+/// How deep a door is with its lining, metres: a view through a [`Surface::Opening`] sees what is behind
 /// that.
 pub const DOOR_M: f32 = 0.13;
 
@@ -302,8 +302,8 @@ pub struct Snapshot {
     pub meshes: Arc<[Arc<TriMesh>]>,
     /// All instances, in a fixed order.
     pub instances: Vec<Instance>,
-    /// What stands behind panes ([`Surface::is_window`]), by object ascending: only who looks through a pane
-    /// sees it. They are numbered on from the instances ([`Self::behind`]).
+    /// What stands behind panes ([`Surface::is_window`]), by object ascending: it is seen only
+    /// through a pane. They are numbered on from the instances ([`Self::behind`]).
     pub cabins: Vec<Instance>,
     /// Motions of the objects that may move, by id ascending. Others stand still.
     pub motions: Vec<ObjectMotion>,

@@ -8,7 +8,7 @@ use crate::text::words;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HazardKind {
-    /// Two vehicles that met, and who came to help.
+    /// Two vehicles that collided, and the people who came to help.
     #[default]
     Accident,
     /// Barriers, things and workers.

@@ -2,7 +2,7 @@
 //!
 //! A kind's entry below says all that others need: its tables, how it is kept, the flag that switches it on.
 //! Configuration, tables, counts and docs follow from it. `sensors` says how the image is made and what its
-//! rows are: rows stand not here, because who plans a dataset knows kinds of images and no tables of sensors.
+//! rows are: rows are not here, because the planner knows kinds of images and no tables of sensors.
 //! What it costs stands in `forecast`.
 
 use serde::ser::{Serialize, SerializeMap, Serializer};

@@ -373,7 +373,7 @@ macro_rules! table {
     };
 }
 
-/// Defines a row type of some columns of a table, for who needs no others: these alone are read.
+/// Defines a row type of some columns of a table, for readers that need no others: these alone are read.
 ///
 /// ```
 /// use schema::table::Row;

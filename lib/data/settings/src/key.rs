@@ -151,7 +151,7 @@ pub(crate) struct Flat;
 pub(crate) struct Switched;
 /// By a function.
 pub(crate) struct By<F>(F);
-/// No key: who reads the section knows the value.
+/// No key: the reader of the section knows the value.
 pub(crate) struct Apart;
 
 impl<T> Key<T> {

@@ -64,7 +64,7 @@ impl Crate {
         let source = &self.sources[file];
         let mut edges = BTreeMap::new();
         for named in &source.named {
-            // Who hands on what others have need not know it.
+            // A module that re-exports an item need not use it.
             let only_passes =
                 named.is_reexport && !named.binds.as_ref().is_some_and(|b| source.words.contains(b));
             if !only_passes && let Some(to) = self.find(file, named, HOPS).filter(|&to| to != file) {

@@ -1,4 +1,4 @@
-//! Rust source as the few kinds of tokens that tell who uses whom.
+//! Rust source as the few kinds of tokens that tell which file uses which.
 
 /// A word or a sign, with the line it is on.
 #[derive(Clone, Debug, PartialEq, Eq)]

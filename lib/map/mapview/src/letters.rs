@@ -88,7 +88,8 @@ fn lines_of(letter: char) -> (Vec<Vec<[f64; 2]>>, f64) {
     (chains, if letter == ' ' { 1.5 } else { width })
 }
 
-/// A line of text as strokes, for who draws pictures of its own. Letters are capitals, small ones smaller.
+/// A line of text as strokes, for crates that draw pictures of their own. Letters are capitals, small ones
+/// smaller.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lettering {
     /// The strokes: points from the beginning of the baseline, pixels, x to the right, y down.

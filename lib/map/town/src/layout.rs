@@ -53,7 +53,7 @@ pub(crate) use crate::water::Water;
 /// Names a node of a layout.
 pub(crate) type NodeId = usize;
 
-/// Who gives way to whom at a crossing. The major street is the pair of arms that face each other with the
+/// The right of way at a crossing. The major street is the pair of arms that face each other with the
 /// higher speed limit, then with more lanes, then the one that was laid first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Control {
@@ -72,7 +72,7 @@ pub(crate) enum Control {
 pub(crate) enum NodeKind {
     /// A level junction of two or more arms at any angles.
     Crossing(Control),
-    /// A one-way ring, counter-clockwise; who enters yields.
+    /// A one-way ring, counter-clockwise; entering traffic yields.
     Roundabout {
         /// Radius of the central island up to the circulating lanes, metres; larger where the streets need
         /// it.

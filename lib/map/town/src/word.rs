@@ -48,7 +48,7 @@ pub(crate) fn stops(ids: &mut Ids, arm: &Arm) -> Vec<Object> {
     runs(&arm.lanes.entering).map(word).collect()
 }
 
-/// A bicycle where each lane for bicycles of a street begins, as those see it who come from there.
+/// A bicycle where each lane for bicycles of a street begins, as cyclists see it who come from there.
 pub(crate) fn bicycles(ids: &mut Ids, strips: &Strips) -> Vec<Object> {
     let mut objects = Vec::new();
     for right in [false, true] {

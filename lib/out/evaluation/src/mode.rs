@@ -1,4 +1,4 @@
-//! Who works together with the ego.
+//! Which agents work together with the ego.
 
 use schema::{AgentId, AgentKind};
 

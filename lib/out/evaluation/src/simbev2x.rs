@@ -1,5 +1,5 @@
-//! SimBEV2X's detection metrics: mAP by difficulty, four errors, SDS; and mAP by distance and by who saw the
-//! target.
+//! SimBEV2X's detection metrics: mAP by difficulty, four errors, SDS; and mAP by distance and by which agents
+//! saw the target.
 
 use rayon::prelude::*;
 use schema::DetectionClass;

@@ -19,7 +19,7 @@ pub(crate) struct Labelled {
     pub(crate) id: i128,
     pub(crate) class: DetectionClass,
     pub(crate) model: String,
-    /// Who it is, of what acts; else empty.
+    /// The role of an actor; else empty.
     pub(crate) role_name: String,
     pub(crate) color: Vec<u8>,
     pub(crate) parent: Option<i128>,

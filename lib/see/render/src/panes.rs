@@ -8,7 +8,7 @@ use schema::geometry::{DOOR_M, Surface};
 pub const PASSES: f32 = 0.7;
 /// Panes and openings that are looked through one behind the other, at most.
 const MOST_PANES: u8 = 8;
-/// Openings are met as if at no smaller cosine of an angle than this: who looks along a car looks past its
+/// Openings are met as if at no smaller cosine of an angle than this: a view along a car looks past its
 /// door's frame.
 const LEAST_COS: f32 = 0.2;
 /// What is nearer behind a pane is the pane itself, metres; distances are told apart by a share of

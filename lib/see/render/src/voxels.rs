@@ -22,7 +22,7 @@ pub struct VoxelBlock {
 
 /// Owns the meshes of a world and tells which cells they touch.
 ///
-/// Apart from [`Renderer`](crate::Renderer), so that who voxelises needs no rasteriser and the other way
+/// Apart from [`Renderer`](crate::Renderer), so that voxelising needs no rasteriser and the other way
 /// round. A back end that does both implements both over the same meshes. All give the same cells, bit for
 /// bit.
 pub trait VoxelRenderer: Send + Sync {

@@ -72,7 +72,7 @@ pub trait Sensor: Send + Sync + 'static {
     }
 }
 
-/// Somebody who is shown every sensor of a rig.
+/// A callback for every sensor of a rig.
 pub trait SensorVisitor {
     /// What can go wrong with a sensor.
     type Error: From<SensorError>;

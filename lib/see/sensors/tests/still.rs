@@ -1,4 +1,5 @@
-//! Maps of what stands still are kept: pictures are as without them, and never depend on who asked first.
+//! Shadow maps of static objects are kept: pictures are as without them, and never depend on which camera
+//! asked first.
 
 mod common;
 
@@ -118,7 +119,7 @@ fn pictures_do_not_depend_on_who_asked_before() {
             assert_eq!(painted(&world, &painter, &when, places[i]), one_by_one[i], "{order:?}: {i}");
         }
     }
-    // Many at once, who want the same maps.
+    // Many threads at once, which want the same maps.
     let painter = CpuPainter::new(&renderer, &world);
     std::thread::scope(|scope| {
         let at_once: Vec<_> =

@@ -1,4 +1,4 @@
-//! Who paints colour pictures.
+//! The interface of painters, and the painter on the CPU.
 
 use glam::Vec3;
 use rayon::prelude::*;

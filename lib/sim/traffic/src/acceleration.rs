@@ -16,7 +16,7 @@ const WALKER_GAP_M: f64 = 2.0;
 const TOUCHING_GAP_M: f64 = 0.6;
 /// Gap to the place before a line where drivers come to rest, metres.
 const LINE_GAP_M: f64 = 0.2;
-/// Braking for a place to pull out behind a wreck, m/s2: who needs more stops nearer to it.
+/// Braking for a place to pull out behind a wreck, m/s2: a vehicle that needs more stops nearer to it.
 const FIRM_BRAKING: f64 = 4.0;
 /// Time gap that drivers keep there, seconds.
 const LINE_HEADWAY_S: f64 = 0.6;
@@ -86,7 +86,8 @@ impl Follower<'_> {
             let sight = vehicle.driver().sight(leader.class);
             wish.limit(sight, idm.following(speed, wished, leader.gap_m, leader.speed_mps));
             if is_stranded(self.vehicles, leader.vehicle) {
-                // As before a line: who only keeps a large gap comes nearer than that when it brakes late.
+                // As before a line: a vehicle that keeps a large gap comes nearer than that when it brakes
+                // late.
                 let soonest_m = speed * speed / (2.0 * FIRM_BRAKING);
                 let room_m = leader.gap_m - room_to_pull_out_m(vehicle.length_m());
                 let to_m = room_m.max(soonest_m.min(leader.gap_m));
@@ -152,7 +153,7 @@ pub(crate) fn wished_acceleration(
         wish.limit(of_vehicles, first.answer(&idm, speed, wished));
     }
     let ends = [
-        // Without leave even those stop there who look away: the way is not free.
+        // Without a reservation even drivers who look away stop there: the way is not free.
         (approach.line.map(|(gap, _)| gap), if of_line == Sight::Away { Sight::Sees } else { of_line }),
         (approach.stop_gap_m, of_vehicles),
         (bend_m, of_vehicles),

@@ -1,11 +1,11 @@
-//! Who sleeps: background vehicles and walkers far from every data-collection vehicle are not simulated. They
+//! Activation: background vehicles and walkers far from every data-collection vehicle are not simulated. They
 //! stand where they are, obstacles to all others, until one comes nearer.
 //!
 //! A vehicle comes to rest before it sleeps, as the one behind may follow closely, and not just anywhere:
 //! outside junctions and shared bends, done with changing lanes, and with nobody on the way to it who has
 //! leave to cross the junction behind it. So a sleeper holds no reservation that others would wait for, and
-//! keeps nobody in a junction: who comes to the next line while it looks for its place asks for no leave and
-//! stops there. To others it is one who stands. Walkers do not sleep on the road.
+//! keeps no vehicle in a junction: one that comes to the next line while it looks for its place asks for no
+//! reservation and stops there. To others it is one who stands. Walkers do not sleep on the road.
 
 use nalgebra::Point3;
 

@@ -2,8 +2,8 @@
 //! one there waits before the bend until the other one is through.
 //!
 //! A vehicle holds a bend from when it could hardly stop before it until its rear has left it. Vehicles that
-//! have room beside one another hold it together, so that cars never wait for cars. Who has waited for long
-//! goes before those who would come towards it after.
+//! have room beside one another hold it together, so that cars never wait for cars. A vehicle that has waited
+//! for long goes before those who would come towards it after.
 
 use crate::car_following::braking_to_stop;
 use crate::road::net::Net;
@@ -24,11 +24,11 @@ const EXIT_M: f64 = 11.0;
 /// Stops are planned with this braking, m/s2, from so far before the bend on, metres.
 const BRAKING: f64 = 1.8;
 const BEFORE_M: f64 = 6.0;
-/// Those who wait come to rest this far before it, metres.
+/// Waiting vehicles come to rest this far before it, metres.
 const STOP_M: f64 = 1.0;
-/// Who would have to brake harder than this goes, m/s2.
+/// A vehicle that would have to brake harder than this goes, m/s2.
 const HARD_BRAKING: f64 = 5.0;
-/// Who has waited for as long as this goes first, steps (5 s).
+/// A vehicle that has waited this long goes first, steps (5 s).
 const PATIENCE_STEPS: u32 = 100;
 /// Bends nearer to each other than this and the vehicle's length are one for it, metres.
 const BETWEEN_M: f64 = 6.0;
@@ -50,7 +50,7 @@ struct Bend {
     radius_m: f64,
     apart_m: f64,
     holders: Vec<Holder>,
-    /// Those who have waited for long, with their part.
+    /// Vehicles that have waited for long, with their part of the bend.
     claims: Vec<(usize, usize)>,
 }
 
@@ -72,7 +72,7 @@ struct Ahead {
     end_m: f64,
 }
 
-/// All such bends of a map, with who is in them.
+/// All such bends of a map, with the vehicles in them.
 #[derive(Debug)]
 pub(crate) struct Bends {
     bends: Vec<Bend>,

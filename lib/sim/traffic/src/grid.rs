@@ -1,4 +1,4 @@
-//! Who is where, in square cells: a sorted list, so that a look at a cell and those around it is three
+//! Positions in square cells: a sorted list, so that a look at a cell and those around it is three
 //! searches.
 
 /// Numbers of things by cell.

@@ -2,8 +2,8 @@
 //!
 //! Drivers change to pass slower or stranded vehicles (MOBIL: Kesting, Treiber, Helbing, 2007), and must
 //! change where their lane ends or their turn has a lane of its own. Nobody changes in junctions, across
-//! marks that forbid it, or into a gap that makes another brake hard. Who must change and cannot, asks: the
-//! next one behind in the other lane lets it in, so that two full lanes zip into one.
+//! marks that forbid it, or into a gap that makes another brake hard. A driver who must change and cannot,
+//! asks: the next one behind in the other lane lets it in, so that two full lanes zip into one.
 
 use crate::occupancy::{Occupancy, Occupant, Sense, is_stranded};
 use crate::road::net::Net;
@@ -286,7 +286,7 @@ fn gap(
             let gap_m = to_m + on_m - spot.half_length_m - front.half_length_m;
             other.driver().idm().following(spot.speed_mps, wished, gap_m, front.speed_mps)
         });
-        // One who stands anyway is not made to brake.
+        // A vehicle that stands anyway is not made to brake.
         if after < -braking && spot.speed_mps > 0.5 {
             return None;
         }

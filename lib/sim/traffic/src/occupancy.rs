@@ -1,4 +1,4 @@
-//! What is on the lanes, and who is ahead and behind there.
+//! The vehicles and obstacles on lanes, and which is ahead and behind.
 
 use nalgebra::Point3;
 
@@ -289,7 +289,7 @@ impl Occupancy {
                         consider(start + spot.along_m, spot);
                     }
                 }
-                // Those who have branched off but for their rear.
+                // Vehicles that have branched off but for their rear.
                 let length = net.lanes[sibling].centre.length_m;
                 if length < zone + LONGEST_HALF_M {
                     for spot in net.lanes[sibling].next.iter().flat_map(|&on| &self.vehicles[on]) {
@@ -334,7 +334,7 @@ impl Occupancy {
             }
             for crosser in &self.walkers[lane] {
                 let gap = start + crosser.along_m - vehicle.half_length_m() - WALKER_HALF_M;
-                // One who is beside or behind the front is not run over by going on.
+                // A person beside or behind the front is not run over by going on.
                 if gap <= -0.3 || best.is_some_and(|b| gap >= b) {
                     continue;
                 }

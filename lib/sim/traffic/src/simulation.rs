@@ -50,8 +50,8 @@ const LARGE_DESTINATION_MPS: f64 = 35.0;
 /// Maps that extend farther than this are large, metres: CARLA's large ones are 10 km long, the others less
 /// than 3 km.
 const LARGE_M: f64 = 5000.0;
-/// Who is pushed by less than this drives on, m/s, unless that comes from ahead or behind: along the vehicle
-/// by more than this share.
+/// A vehicle that is pushed by less than this drives on, m/s, unless that comes from ahead or behind: along
+/// the vehicle by more than this share.
 const HARMLESS_MPS: f64 = 1.0;
 const BESIDE: f64 = 0.7;
 /// Longest warm-up, seconds.
@@ -144,7 +144,7 @@ struct Simulation<'a> {
     log: SimulationLog,
 }
 
-/// Who takes part in a scene, before anybody has a body.
+/// The actors of a scene before they have bodies.
 struct InitialActors<'a> {
     starts: Vec<Start>,
     rsus: Vec<&'a PlanAgentRow>,
@@ -299,7 +299,8 @@ impl<'a> Simulation<'a> {
         Ok(())
     }
 
-    /// Everybody looks about: who is awake, what drivers overlook, who is on the lanes and about to be.
+    /// Updates perception: which vehicles are active, what drivers overlook, which vehicles are on the lanes
+    /// or about to be.
     fn perceive(&mut self, step: u32) {
         if Activation::is_due(step) {
             let reservations = self.right_of_way.reservations();
@@ -441,7 +442,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// Whether those who hit each other stay where that leads them. Otherwise they drive on: who grazes
-    /// something at its side, and who pushes something light away.
+    /// something at its side, and one that pushes something light away.
     fn is_accident(&self, hit: &Hit) -> bool {
         let hurts = |owner: &Owner| match owner {
             Owner::Walker(_) => true,

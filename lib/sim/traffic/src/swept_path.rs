@@ -112,7 +112,7 @@ impl Tow {
 /// Metres to go on, for each class of what is in the way.
 pub(crate) type Gaps = [Option<f64>; Class::ALL.len()];
 
-/// Who is about and what is swept soon, in one step of time.
+/// Pedestrians near the lanes, and the ground that is swept soon, in one step of time.
 #[derive(Debug)]
 pub(crate) struct SweptPaths {
     walkers: Vec<(Point3<f64>, f64)>,
@@ -269,7 +269,7 @@ impl SweptPaths {
                 self.soon.push(print);
                 self.soon.extend(tow.map(|(print, _)| print));
             }
-            // Who is beside it and comes no nearer is passed.
+            // A person beside it who comes no nearer is passed.
             let meets = |print: &Footprint, here: &Footprint, point: &Point3<f64>, radius: f64| {
                 let outside_m = print.outside_m(point);
                 outside_m < radius + DRIVERS_M && outside_m < here.outside_m(point) - NEARER_M

@@ -93,7 +93,7 @@ pub enum SceneError {
         frame: Option<u32>,
         /// The stage that made it.
         stage: &'static str,
-        /// What is wrong. Of any type: who reads no arrays is not built from their format.
+        /// What is wrong. Of any type: a program that reads no arrays is built without their format.
         source: Box<dyn Error + Send + Sync>,
     },
     /// A sensor's table says nothing of the sensor.

@@ -167,7 +167,7 @@ mod tests {
         let (from, manifest) = store(b"one");
         let (here, _) = store(b"two");
         assert!(here.manifest(SCOPE, "bev-gt").expect("reads").is_some_and(|m| m != manifest));
-        // Callers look first; who does not finds that both were written, and neither stands.
+        // Callers check first; without that both would be written, and neither would be valid.
         assert!(matches!(here.adopt(&from, SCOPE, &manifest), Err(StoreError::Contested { .. })));
     }
 }

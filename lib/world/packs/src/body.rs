@@ -98,7 +98,7 @@ impl Body {
             heel: of_feet(|foot| foot.heel),
             ball: of_feet(|foot| foot.ball),
             toe: of_feet(|foot| foot.toe),
-            // Who stands with legs apart in the file does not walk so.
+            // A model that stands with legs apart in the file does not walk so.
             stance_y: apart.clamp(0.5 * hip_y, 1.1 * hip_y) as f32,
             waist: (chest.z - hips.z) as f32,
             shoulder: shoulder.as_vec3(),

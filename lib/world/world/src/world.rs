@@ -157,7 +157,7 @@ pub type OwnModels = BTreeMap<String, ActorMesh>;
 /// What is known of the light on models.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Light {
-    /// Nothing: who paints no pictures needs none.
+    /// None: needed only where pictures are painted.
     #[default]
     Any,
     /// What reaches them past themselves ([`TriMesh::corner_visibility`]).

@@ -72,7 +72,7 @@ pub struct Lane {
     pub successors: Vec<i16>,
     /// What its surface is made of, by offset.
     pub materials: Vec<LaneMaterial>,
-    /// Who may use it, by offset; records with one offset hold together.
+    /// Which traffic may use it, by offset; records with one offset hold together.
     pub accesses: Vec<LaneAccess>,
     /// Rules as the maker of the file has them, by offset.
     pub rules: Vec<LaneRule>,
@@ -93,7 +93,7 @@ pub struct LaneMaterial {
     pub roughness: Option<f64>,
 }
 
-/// Who may use a lane.
+/// Which traffic may use a lane.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LaneAccess {
     /// Metres after the section's start.

@@ -52,7 +52,7 @@ pub(crate) struct McapWriter<W> {
 }
 
 impl<W: Write> McapWriter<W> {
-    /// Starts a file with all its schemas and channels; `library` says who wrote it.
+    /// Starts a file with all its schemas and channels; `library` names the program that wrote it.
     ///
     /// # Errors
     /// It cannot be written.

@@ -28,7 +28,7 @@ use super::tracks::seen::BoxTrack;
 use super::tracks::voxels::VoxelTrack;
 use crate::{ExportError, SceneSource, UnitFiles};
 
-/// Who writes: no version, so that files of the same content are the same.
+/// The name of the program that writes: no version, so that files of the same content are the same.
 const LIBRARY: &str = "convoy";
 
 type Tracks = Vec<Box<dyn Track>>;

@@ -119,8 +119,8 @@ pub(crate) fn index_of_tag(tag: u8) -> u8 {
     category_index(name)
 }
 
-/// Whether returns of a tag are of a thing whose object says more than the tag: who walks, what is ridden,
-/// what is towed.
+/// Whether returns of a tag are of an object that says more than the tag: a pedestrian's kind, what is
+/// ridden, what is towed.
 pub(crate) fn is_told_by_object(tag: u8) -> bool {
     matches!(Tag::from_u8(tag), Some(Tag::Pedestrian | Tag::Rider | Tag::Truck | Tag::Bus))
 }

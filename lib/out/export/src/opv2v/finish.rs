@@ -1,5 +1,5 @@
-//! What is common to all: facts of scenarios, who carries which sensor for HEAL, and what trainers must be
-//! told.
+//! What is common to all: facts of scenarios, which agent carries which sensor for HEAL, and what trainers
+//! must be told.
 
 use std::collections::BTreeMap;
 

@@ -59,7 +59,7 @@ impl Opv2v {
         Self { options, crews: Mutex::default() }
     }
 
-    /// Who is exported of a scene; looked up once.
+    /// The agents of a scene that are exported; looked up once.
     fn roster(&self, scene: &SceneSource) -> Result<Arc<AgentRoster>, ExportError> {
         let held = |crews: &Mutex<BTreeMap<u32, Arc<AgentRoster>>>| {
             crews.lock().unwrap_or_else(PoisonError::into_inner).get(&scene.number()).cloned()

@@ -1,4 +1,4 @@
-//! Who is exported of a scene, with which sensors, at which frames.
+//! Which agents of a scene are exported, with which sensors, at which frames.
 
 use std::collections::BTreeSet;
 

@@ -23,7 +23,7 @@ pub struct SceneSource {
     agents: Vec<AgentId>,
     selection: Selection,
     digest: String,
-    /// The wanted sensors of the agents that were asked for: who plans, estimates and writes asks again and
+    /// The wanted sensors of the agents that were asked for: planning, estimating and writing ask again and
     /// again.
     sensors: Arc<Mutex<BTreeMap<AgentId, Vec<SensorEntry>>>>,
 }

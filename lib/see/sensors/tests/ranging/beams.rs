@@ -177,7 +177,7 @@ fn light_passes_panes_there_and_back() {
         }
         assert_eq!((wall.id, wall.of_beam.expect("told").kind), (vec![6, 5], vec![0, 3]));
     }
-    // Who does not see through glass sees a shell of it.
+    // A lidar that does not see through glass sees a shell of it.
     let mut spec = beam(ALL);
     spec.beam.rays = 1;
     let shell = through_glass(&spec, 0.0);

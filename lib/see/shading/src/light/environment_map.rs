@@ -110,7 +110,7 @@ impl EnvironmentMap {
         if is_seen.none() {
             return *sky;
         }
-        // To the right of who looks along x is -y, of who looks along y is x.
+        // Right of the view along x is -y, right of the view along y is x.
         let aside = along_x.select(y * -1.0, x);
         let right = forward.select(aside, aside * -1.0) / depth;
         let scale = 0.5 * SIDE as f32;

@@ -176,7 +176,7 @@ impl Walls {
     }
 }
 
-/// Cells with those heights that are within houses filled from what is beside them, for who stands at their
+/// Cells with those heights that are within houses filled from what is beside them, as seen from their
 /// walls; deep inside from above.
 fn outside(side: usize, cells: &[([Left; LEVELS], u32)]) -> Vec<Left> {
     let mut left: Vec<Left> = cells.iter().flat_map(|(left, _)| *left).collect();

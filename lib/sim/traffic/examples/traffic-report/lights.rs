@@ -1,4 +1,4 @@
-//! What happens at lights: who passes at red, and how fast queues clear.
+//! What happens at lights: which vehicles pass at red, and how fast queues clear.
 
 use opendrive::LaneId;
 
@@ -11,7 +11,8 @@ const LOST: usize = 3;
 const CAR_M: f64 = 6.3;
 /// A vehicle has queued that was slower than this since the light was red, m/s.
 const QUEUED_MPS: f64 = 1.0;
-/// It has set off when it is faster than this; who stops again is held up by something else than the queue.
+/// It has set off when it is faster than this; a vehicle that stops again is held up by something else than
+/// the queue.
 const SET_OFF_MPS: f64 = 2.0;
 
 #[derive(Debug, Default)]

@@ -115,8 +115,8 @@ fn on_lanes(film: &Film<'_>, body: &Body, end: usize, motion: &mut Motion) {
     }
 }
 
-/// Whether who is on one lane and then on another one has changed lanes: outside junctions, not to what the
-/// first lane leads to, but to another lane of the same road or beside what it leads to.
+/// Whether a vehicle on one lane and then on another one has changed lanes: outside junctions, not to what
+/// the first lane leads to, but to another lane of the same road or beside what it leads to.
 fn changes_over(film: &Film<'_>, from: LaneId, to: LaneId) -> bool {
     let outside = film.map.lane(to).is_some_and(|l| l.junction.is_none());
     let beside = || {

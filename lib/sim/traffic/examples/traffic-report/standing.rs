@@ -11,11 +11,11 @@ const START_S: f64 = 3.0;
 /// A leader's rear is this near, metres: the largest standing gap drawn, and as much again behind a wreck.
 const LEADER_M: f64 = 9.0;
 const WRECK_M: f64 = 16.0;
-/// Who stands straight ahead of the bumper, wherever the way leads later, is within this distance, metres,
-/// and not askew by more, radians.
+/// A vehicle that stands straight ahead of the bumper, wherever the way leads later, is within this distance,
+/// metres, and not askew by more, radians.
 const STRAIGHT_M: f64 = 7.0;
 const ASKEW_RAD: f64 = 1.0;
-/// Who is let in is at most this far ahead, bumper to middle, and this far aside, metres.
+/// A vehicle that is let in is at most this far ahead, bumper to middle, and this far aside, metres.
 const LET_IN_M: [f64; 2] = [14.0, 5.0];
 /// Room between two who meet, metres; the ground that a vehicle needs is looked at over this way, metres.
 const MEET_M: f64 = 0.35;
@@ -29,17 +29,17 @@ const JUNCTION_M: f64 = 10.0;
 /// Room to wait between two junctions beyond the own length, metres, and how far junctions are looked for.
 const BETWEEN_M: f64 = 10.0;
 const JUNCTIONS_M: f64 = 80.0;
-/// Those who come to a junction are given way if they are this near: metres at least, and seconds (critical
-/// gaps of the Highway Capacity Manual are 6.2 to 7.1 s).
+/// Vehicles that come to a junction are given way if they are this near: metres at least, and seconds
+/// (critical gaps of the Highway Capacity Manual are 6.2 to 7.1 s).
 const RIVAL_M: f64 = 25.0;
 const RIVAL_S: f64 = 7.0;
-/// Those who use a junction are this near at most, metres.
+/// Vehicles that use a junction are this near at most, metres.
 const ACROSS_M: f64 = 60.0;
-/// Who is the first at a line before a junction is this near to it, metres.
+/// The first vehicle at a line before a junction is this near to it, metres.
 const AT_LINE_M: f64 = 14.0;
 /// The exit of a junction is looked at over this length, metres.
 const EXIT_M: f64 = 60.0;
-/// Those who set off need no reason any more, states (1.5 s).
+/// Vehicles that set off need no reason any more, states (1.5 s).
 const SETTING_OFF: usize = 30;
 
 /// Why a vehicle stands.
@@ -161,7 +161,7 @@ fn head(reasons: &[Option<Reason>], from: usize) -> Reason {
         match reasons[n] {
             Some(Reason::Leader(ahead) | Reason::Exit(ahead)) if ahead != from => n = ahead,
             Some(reason) => return reason,
-            // It moves: who stands behind it is about to.
+            // It moves: a vehicle that stands behind it is about to.
             None => return Reason::SettingOff,
         }
     }
@@ -232,7 +232,8 @@ fn way_ahead(film: &Film<'_>, body: &Body, others: &[usize], i: usize) -> Way {
         } else if let Some(&m) = leader().filter(|_| to < LEADER_M) {
             Some(Reason::Leader(m))
         } else if hazard_ahead(film, body, i, point) {
-            // Who waits for a gap to pass a hazard goes round it later: it lies ahead all the same.
+            // A vehicle that waits for a gap to pass a hazard goes round it later: it lies ahead all the
+            // same.
             Some(Reason::Hazard)
         } else {
             None

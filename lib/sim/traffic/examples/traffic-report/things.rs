@@ -89,7 +89,7 @@ fn meets(body: &Body, i: usize, triangle: &[[f64; 2]; 3]) -> bool {
     !([[1.0, 0.0], [0.0, 1.0]].into_iter().chain(edges).any(apart_of))
 }
 
-/// Who is in things that stand.
+/// People and vehicles inside obstacles.
 #[derive(Debug, Default)]
 pub(crate) struct Things {
     /// Walkers, not struck before.
@@ -134,7 +134,7 @@ pub(crate) fn measure(film: &Film<'_>, fixed: &[&ActorRow]) -> Things {
             for &n in cells.get(&cell(at.x, at.y)).into_iter().flatten() {
                 let thing = &things[n];
                 let pair = (body.id, thing.actor.id);
-                // Who sits on a bench is over it.
+                // A person on a bench is over it.
                 let seat = body.sits && thing.actor.model == benches::MODEL;
                 if !seat && !seen.contains(&pair) && thing.holds(body, i) {
                     seen.insert(pair);

@@ -1,4 +1,4 @@
-//! Who touches whom.
+//! Contacts between vehicles, people and obstacles.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -52,7 +52,7 @@ fn touch((sa, a_m): (Snap, [f64; 2]), (sb, b_m): (Snap, [f64; 2]), margin_m: f64
     })
 }
 
-/// Finds all pairs, and notes in the film who touched something first when.
+/// Finds all pairs, and notes in the film when each first touched something.
 pub(crate) fn find(film: &mut Film<'_>) -> Touching {
     let mut result = Touching::default();
     let mut seen: BTreeSet<(u16, u16)> = BTreeSet::new();

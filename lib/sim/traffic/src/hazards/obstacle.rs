@@ -152,7 +152,8 @@ impl Obstacle {
         (self.point, self.yaw_rad(), self.size_m)
     }
 
-    /// What drivers take it for: who sees no signs sees no cones and nothing else of road works either.
+    /// What drivers take it for: a driver who sees no signs sees no cones and nothing else of road works
+    /// either.
     pub(crate) fn class(&self) -> Class {
         match self.kind {
             ActorKind::Vehicle => Class::Vehicles,

@@ -1,5 +1,5 @@
-//! Two vehicles whose ways through a junction meet: who is first, who waits where, and which gaps are long
-//! enough.
+//! Two vehicles whose ways through a junction meet: which goes first, where the other one waits, and which
+//! gaps are long enough.
 
 use crate::car_following::{Idm, braking_to_stop, time_s};
 use crate::road::net::{ConflictArea, Lane, Net};
@@ -14,13 +14,13 @@ const BEHIND_M: f64 = 1.0;
 const BEFORE_M: f64 = 1.0;
 /// Places that begin within this distance of a line are waited for before it, metres.
 const AT_LINE_M: f64 = 0.5;
-/// Those who stand are passed with so much room, metres.
+/// Standing vehicles are passed with this much room, metres.
 const CLEAR_M: f64 = 0.3;
-/// Who is slower than this may stand for long: nobody sets off in the hope that it clears the way, m/s.
+/// A vehicle slower than this may stand for long: no driver sets off in the hope that it clears the way, m/s.
 const MOVING_MPS: f64 = 1.0;
-/// Who goes first is gone this long before the other one comes, seconds.
+/// The first vehicle is gone this long before the other one comes, seconds.
 const FIRST_GAP_S: f64 = 1.0;
-/// Who goes second may count on so much, seconds: it waits before the place if it is too early.
+/// The second vehicle may count on this much, seconds: it waits before the place if it is too early.
 const SECOND_EARLY_S: f64 = 0.3;
 /// Braking that drivers accept to go second and impose on those who go second behind them, m/s2.
 const OWN_BRAKING: f64 = 2.0;
@@ -33,7 +33,8 @@ const LATE_BRAKING: f64 = 2.5;
 const FALL_BACK_BRAKING: f64 = 1.2;
 /// Gap behind one who goes first that is enough where ways merge, metres.
 const MERGE_GAP_M: f64 = 2.0;
-/// Shares of a driver's acceleration that others count on who need it to be gone, and to be away still.
+/// Shares of a driver's acceleration that others count on: those who need it to be gone, and those who need
+/// it to be away still.
 const SLOW_SHARE: f64 = 0.4;
 const FAST_SHARE: f64 = 1.0;
 
@@ -112,7 +113,7 @@ impl MergeLeader {
     pub(crate) fn answer(&self, idm: &Idm, speed_mps: f64, wished_mps: f64) -> f64 {
         let behind = |gap_m: f64| idm.following(speed_mps, wished_mps, gap_m, self.speed_mps);
         let there = behind(self.gap_m.max(self.to_begin_m));
-        // Who stands may stand for long: the driver goes as far as it can.
+        // A standing vehicle may stand for long: the driver goes as far as possible.
         if self.speed_mps < MOVING_MPS {
             there
         } else {
@@ -149,7 +150,7 @@ impl<'a> Conflict<'a> {
         (!over).then_some(Self { net, lane, me, rival, mine, theirs, gap_m, merges: area.merges })
     }
 
-    /// Whether the rival goes first, who got its leave `earlier` or did not: what is in the place already is.
+    /// Whether the rival goes first; `earlier`: its reservation is older: what is in the place already is.
     /// Where ways merge, those who are beside each other may both be: then the one goes first who is nearer
     /// to their common lane.
     pub(crate) fn rival_first(&self, earlier: bool) -> bool {
@@ -182,8 +183,8 @@ impl<'a> Conflict<'a> {
             .then_some(Yielding::Stop(gap_m))
     }
 
-    /// Whether the rival, on its way out of the place, stands so that it leaves room: as who queues behind
-    /// the junction with its rear still in it.
+    /// Whether the rival, on its way out of the place, stands so that it leaves room: as a vehicle that
+    /// queues behind the junction with its rear still in it.
     fn stands_clear(&self) -> bool {
         let is_leaving = self.theirs.to_end_m < self.rival.rear_m() + BEHIND_M;
         if !is_leaving || !self.rival.stands() {

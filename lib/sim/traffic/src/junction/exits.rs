@@ -1,5 +1,5 @@
-//! The way through a junction and the room behind it: nobody sets off who would have to stop where others
-//! cross.
+//! The way through a junction and the room behind it: no vehicle sets off that would have to stop where
+//! others cross.
 
 use crate::junction::approach::Line;
 use crate::junction::reservations::ReservationTable;
@@ -106,7 +106,7 @@ impl Exit<'_> {
         let vehicle = &self.vehicles[self.me];
         let mut need = vehicle.length_m() + EXIT_MARGIN_M;
         let mut is_first = true;
-        // Those who will wait before the next line, and the way there.
+        // The vehicles that will wait before the next line, and the way there.
         let (mut stored, mut stretch) = (0.0, f64::INFINITY);
         let mut sleeper_m = f64::INFINITY;
         for (lane, start) in self.lanes() {
@@ -144,8 +144,8 @@ impl Exit<'_> {
         behind_sleeper && need + stored <= stretch
     }
 
-    /// Room that those need who will wait before the line of the next junction, to which it is so far,
-    /// metres.
+    /// Room that the vehicles need that will wait before the line of the next junction, to which it is so
+    /// far, metres.
     fn stored_m(&self, line_m: f64, next: usize) -> f64 {
         let leaves = |v: &Vehicle| {
             v.claim().reservations().iter().any(|r| self.net.lanes[r.lane].junction == Some(next))
@@ -167,7 +167,8 @@ impl Exit<'_> {
         stored
     }
 
-    /// Room that those need who will stand behind a sleeper, which is so far behind the junction, metres.
+    /// Room that the vehicles need that will stand behind an inactive one, which is so far behind the
+    /// junction, metres.
     fn queue_m(&self, sleeper_m: f64) -> f64 {
         let there = self.lanes().flat_map(|(lane, start)| {
             let on_lane = self.occupancy.on_lane(lane).iter();

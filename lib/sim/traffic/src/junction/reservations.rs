@@ -1,4 +1,4 @@
-//! Leave to use the lanes of junctions: who holds which, and whose is older.
+//! Reservations of junction lanes: which vehicle holds which, and which is older.
 
 use crate::road::net::Net;
 use crate::vehicle::Vehicle;

@@ -1,4 +1,4 @@
-//! Who may enter a junction: signals, signs, and by turns where ways cross.
+//! Right of way: which vehicle may enter a junction, by signals, signs, and in turns where ways cross.
 //!
 //! A driver may pass the line before a junction only with all lanes of its way through it reserved. Where the
 //! ways of two meet, the one whose reservation is older goes first. A later one is given if nobody who goes
@@ -12,15 +12,16 @@
 //! ways are reserved in parts, the next part may be held by one who stands for who asks for it: it is given
 //! then, and with the age of the part before, or both would stand for good.
 //!
-//! A ring is reserved in such parts, lane by lane: nobody crosses it, and who merges into it has a sign.
-//! Lanes like that have the right of way: they are no reason to ask for more of the way before, for room
-//! behind them, or to respect claims; and if all stand, who is on them goes before who waits to merge.
+//! A ring is reserved in such parts, lane by lane: no way crosses it, and vehicles that merge into it have a
+//! sign. Lanes like that have the right of way: they are no reason to ask for more of the way before, for
+//! room behind them, or to respect claims; and if all stand, vehicles on them go before vehicles that wait to
+//! merge.
 //!
-//! Requests are served by rank: who is inside, who waits for long, who has no sign and does not turn left at
-//! a light, the others; then in the order in which drivers came to the line, vehicle numbers breaking ties. A
-//! vehicle that has been refused for long claims its way and the room behind it, for some seconds at a time:
-//! later vehicles get no reservation across the one or into the other, so that a busy road does not starve a
-//! side street.
+//! Requests are served by rank: vehicles inside, vehicles that wait for long, vehicles without a sign that do
+//! not turn left at a light, the others; then in the order in which drivers came to the line, vehicle numbers
+//! breaking ties. A vehicle that has been refused for long claims its way and the room behind it, for some
+//! seconds at a time: later vehicles get no reservation across the one or into the other, so that a busy road
+//! does not starve a side street.
 
 use crate::car_following::{COMFORT_BRAKING, braking_to_stop};
 use crate::junction::approach::{Approach, Line, OPEN, class_of, forbids, slow_down};
@@ -41,18 +42,18 @@ use schema::SignalState;
 const CREEPING_MPS: f64 = 1.0;
 /// Nobody means to stop nearer to a line than this, metres.
 const LINE_MARGIN_M: f64 = 0.5;
-/// Who stands within this distance of a line is at it, metres, and farther off where drivers stop farther
-/// off.
+/// A vehicle that stands within this distance of a line is at it, metres, and farther off where drivers stop
+/// farther off.
 const LINE_M: f64 = 7.0;
 /// Standing time at a stop sign, steps (2 s).
 const STOP_STEPS: u32 = 40;
 /// At green, queues this long set off as one, metres.
 const QUEUE_M: f64 = 60.0;
-/// Who has been refused for this long claims its way, steps (10 s).
+/// A vehicle that has been refused for this long claims its way, steps (10 s).
 const PATIENCE_STEPS: u32 = 200;
 /// A claim lasts this long, steps (5 s).
 const CLAIM_STEPS: u32 = 100;
-/// Who can stop before its line with this braking may be asked to let another one go first, m/s2.
+/// A vehicle that can stop before its line with this braking may be asked to let another one go first, m/s2.
 const LEFT_BRAKING: f64 = 2.0;
 
 /// What drivers come to a junction with, in one step of time.
@@ -74,7 +75,7 @@ struct Request {
     line: Line,
 }
 
-/// Who may enter junctions.
+/// The right of way at all junctions.
 #[derive(Debug)]
 pub(crate) struct RightOfWay {
     table: ReservationTable,
@@ -90,8 +91,8 @@ impl Junctions<'_> {
         let entry = &self.net.lanes[line.entry];
         let class = class_of(entry);
         let speed = vehicle.speed_mps();
-        // Who is beyond the place to stop when its light changes, or asks again, stops before the line as it
-        // can.
+        // A vehicle beyond the place to stop when its light changes, or that asks again, stops before the
+        // line as it can.
         let soonest_m = (speed * speed / (2.0 * COMFORT_BRAKING)).min(line.gap_m - LINE_MARGIN_M);
         let mut approach =
             Approach { line: Some(((line.gap_m - entry.line_gap_m).max(soonest_m), class)), ..OPEN };
@@ -139,7 +140,7 @@ impl Junctions<'_> {
         let since = claim.wait_at_line(self.step);
         let stood = !must_stand || claim.stood_steps() >= STOP_STEPS;
         let vehicle = &vehicles[me];
-        // Who is about to sleep only goes on where it has leave already.
+        // A vehicle that is about to be deactivated only goes on where it has a reservation.
         let goes = vehicle.wake() == Activity::Awake || !vehicle.claim().is_empty();
         let forbidden = forbids(light, speed, line.gap_m);
         ((!forbidden || blind) && stood && goes).then(|| Request {
@@ -272,7 +273,7 @@ impl RightOfWay {
         ask_again: &mut Vec<usize>,
     ) -> bool {
         self.conflicts(net, vehicles, me, place).all(|(rival, _, conflict)| {
-            // Who stands for this one anyway lets it go on, or both would stand for good.
+            // A vehicle that waits for this one anyway lets it go on, or both would wait for ever.
             let stands = self.yields_to(&vehicles[rival], me) || lets_pass(net, vehicles, me, place.0, rival);
             if stands && !conflict.is_rival_in() || conflict.accepts_gap_behind() {
                 return true;
@@ -440,7 +441,7 @@ fn claims_way(refused_steps: u32) -> bool {
     refused_steps > PATIENCE_STEPS && (refused_steps - PATIENCE_STEPS) % PATIENCE_STEPS <= CLAIM_STEPS
 }
 
-/// Who is asked first.
+/// The order in which requests are served.
 fn rank(vehicle: &Vehicle, entry: &Lane) -> u8 {
     let turns_left = entry.turn > 0 && !entry.signals.is_empty();
     match () {

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use crate::outline::outline;
 use crate::road::net::Net;
 
-/// Who reaches less far into a lane than this is beside it, metres.
+/// A vehicle that reaches less far into a lane than this is beside it, metres.
 const REACHES_M: f64 = 0.02;
 /// Vehicles that pass go over the other edge of their lane by this at most, metres.
 const OVER_EDGE_M: f64 = 0.3;

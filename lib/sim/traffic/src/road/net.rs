@@ -99,8 +99,8 @@ pub(crate) struct Lane {
     pub(crate) radius_m: f64,
     /// Smallest radius over so much way that long vehicles swing out fully, metres.
     pub(crate) swing_radius_m: f64,
-    /// How far before it drivers stop who must not enter it, metres: farther where others turn out beside the
-    /// line.
+    /// How far before it drivers stop when they must not enter it, metres: farther where others turn out
+    /// beside the line.
     pub(crate) line_gap_m: f64,
     /// Dynamic signals that control it (indices of the map).
     pub(crate) signals: Vec<usize>,
@@ -108,8 +108,8 @@ pub(crate) struct Lane {
     pub(crate) yield_sign: bool,
     /// +1 a left turn, -1 a right turn, 0 neither.
     pub(crate) turn: i8,
-    /// Nobody crosses it, and who merges into it has a sign to give way: a part of a ring, or of a main road
-    /// beside a ramp.
+    /// No way crosses it, and vehicles that merge into it have a sign to give way: a part of a ring, or of a
+    /// main road beside a ramp.
     pub(crate) right_of_way: bool,
 }
 
@@ -251,7 +251,7 @@ impl Net {
                     self.lanes[a].line_gap_m = SWING_GAP_M;
                 }
                 for &b in members.iter().filter(|&&b| a < b && !diverging.contains(&(a, b))) {
-                    // Who follows on the next lane has the one on this lane ahead.
+                    // A vehicle that follows on the next lane has the one on this lane ahead.
                     if !self.follows(a, b) && !self.follows(b, a) {
                         self.add_conflict(a, b);
                     }

@@ -68,7 +68,7 @@ fn rsu_actor(id: ObjectId, agent: &PlanAgentRow) -> ActorRow {
     }
 }
 
-/// Adds agents, RSUs and background vehicles to the log, and who drives the last ones.
+/// Adds agents, RSUs and background vehicles to the log, and the drivers of the last ones.
 pub(crate) fn log_vehicles(
     log: &mut SimulationLog,
     ids: &ActorIds,

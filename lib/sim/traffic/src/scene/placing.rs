@@ -1,4 +1,4 @@
-//! Who and what a scene begins with: vehicles, walkers, parked vehicles, lamps.
+//! What a scene begins with: vehicles, walkers, parked vehicles, lamps.
 
 use catalogue::{Model, people};
 use frames::{Object, Pose, World};
@@ -117,7 +117,7 @@ struct Drawn {
     anywhere: bool,
 }
 
-/// Draws who a walker is.
+/// Draws the model and character of a walker.
 fn draw_walker(input: &SceneInput<'_>, catalogue: &[(&'static Model, f64)], number: u64) -> Option<Drawn> {
     let (scene, settings) = (input.scene, &input.settings.walkers);
     let mut stream = Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker", number);

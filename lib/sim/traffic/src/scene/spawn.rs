@@ -1,4 +1,4 @@
-//! Who starts where.
+//! Where vehicles start.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;

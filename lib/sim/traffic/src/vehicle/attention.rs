@@ -1,14 +1,14 @@
 //! What drivers overlook: in every step each of them draws anew whether it notices lights, signs, vehicles
 //! and walkers.
 //!
-//! Who overlooks something for the blink of an eye drives on for that step as if it were not there; but it
-//! sees what asks for harder braking than is comfortable, and passes no line without leave. So a blink costs
-//! a speed of 0.3 m/s at most. Who has looked away for a whole second sees nothing of it any more, until it
-//! looks again: no light, and it asks for leave to pass the line; no sign; no vehicle, and it takes its way
-//! through junctions without asking for it; no walker. At one in a thousand steps nobody ever looks away so
-//! long (a chance of 10^-60); at nine in ten every driver does at times; who always overlooks is a reckless
-//! driver, for what it overlooks: reckless drivers are those who overlook everything, and distracted ones
-//! those who overlook all lights and signs.
+//! A driver who overlooks something for the blink of an eye drives on for that step as if it were not there;
+//! but it sees what asks for harder braking than is comfortable, and passes no line without leave. So a blink
+//! costs a speed of 0.3 m/s at most. A driver who has looked away for a whole second sees nothing of it any
+//! more, until it looks again: no light, and it asks for leave to pass the line; no sign; no vehicle, and it
+//! takes its way through junctions without asking for it; no walker. At one in a thousand steps nobody ever
+//! looks away so long (a chance of 10^-60); at nine in ten every driver does at times; one who always
+//! overlooks is a reckless driver, for what it overlooks: reckless drivers are those who overlook everything,
+//! and distracted ones those who overlook all lights and signs.
 
 use random::{Stream, unit_f32};
 use settings::TrafficSettings;

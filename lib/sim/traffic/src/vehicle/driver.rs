@@ -1,4 +1,4 @@
-//! Who drives: how fast and how close, and what is overlooked.
+//! Drivers: how fast and how close they drive, and what they overlook.
 
 use catalogue::{BaseType, Model};
 use random::Stream;

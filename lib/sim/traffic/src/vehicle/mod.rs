@@ -415,7 +415,7 @@ impl Vehicle {
         self.doors.step(self.motion.speed_mps());
     }
 
-    /// Becomes as awake as told; who falls asleep waits for nobody.
+    /// Sets its activity; an inactive vehicle waits for no other one.
     pub(crate) fn set_wake(&mut self, wake: Activity) {
         if wake == Activity::Asleep && self.wake != Activity::Asleep {
             self.motion.rest();

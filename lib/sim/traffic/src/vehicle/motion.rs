@@ -20,7 +20,7 @@ const MAX_STEER_RAD: f64 = 0.9;
 const EXACT_M: f64 = 1e-5;
 /// Most trials to do so.
 const TRIALS: usize = 12;
-/// Who brakes and is slower than this stands, m/s.
+/// A vehicle that brakes and is slower than this stands, m/s.
 const STANDS_MPS: f64 = 0.004;
 /// Where ways meet less exactly than this, what is left wears off, metres; over how many seconds, and metres
 /// at least.

@@ -148,7 +148,7 @@ impl Crowd {
             let person = self.near(own.point).find(|(j, d)| {
                 let away = flat(&own.point, &d.point);
                 let after = away - step;
-                // Those who touch already may part.
+                // Two that touch already may part.
                 *j != me && after.norm() < own.radius_m + d.radius_m && after.norm() < away.norm() + 1e-9
             });
             let person = person.map(|(_, d)| flat(&own.point, &d.point));

@@ -24,7 +24,7 @@ const BESIDE_M: f64 = 2.0;
 const MAX_CROSSING_M: f64 = 60.0;
 /// A light this near to a crosswalk is the crosswalk's, too, metres.
 const AT_LIGHT_M: f64 = 12.0;
-/// How far from the straight line walkers are who cross anywhere, and at most on crosswalks, metres.
+/// How far from the straight line walkers are when they cross anywhere, and at most on crosswalks, metres.
 const BESIDE_LINE_M: [f64; 2] = [0.8, 2.0];
 
 /// A way over a road: from kerb to kerb.

@@ -16,7 +16,7 @@ use crate::walking::paths::Paths;
 const ROAD_COST: f64 = 10.0;
 /// Distance between the stations of a sidewalk, metres.
 const STATION_M: f64 = 20.0;
-/// Those who cross anywhere do so this far before or behind a station at most, metres.
+/// Walkers who cross anywhere do so this far before or behind a station at most, metres.
 const ASIDE_M: f64 = 8.0;
 /// Destinations keep this far from the ends of sidewalks, metres.
 const FROM_END_M: f64 = 0.6;

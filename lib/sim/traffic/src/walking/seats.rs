@@ -17,7 +17,7 @@ const CLEAR_M: f64 = 0.15;
 /// A place on a bench.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Seat {
-    /// The middle of who sits there, on the ground.
+    /// The middle of the person on it, on the ground.
     pub(crate) point: Point3<f64>,
     /// Away from the back rest.
     pub(crate) yaw_rad: f64,
@@ -36,7 +36,7 @@ pub(crate) fn on_bench(bench: &ActorRow, pose: &Pose<World, Object>) -> [Seat; 2
 }
 
 /// Whether somebody of a model may sit: grown-ups of the catalogue who have nothing with them and no uniform.
-/// Children's feet would not reach the ground, and who comes from a pack has clothes that only hang.
+/// Children's feet would not reach the ground, and models of packs have clothes that only hang.
 fn may_sit(model: &Model) -> bool {
     let child = model.facts().get(&Attribute::Age) == Some("child");
     !model.is_of_pack() && model.special == Special::None && model.wheel_radius_m == 0.0 && !child

@@ -31,7 +31,7 @@ pub(crate) struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
-    /// Whether the lights hold the traffic until a walker is over who needs so long.
+    /// Whether the lights hold the traffic until a walker who needs this long is across.
     pub(crate) fn is_held(&self, crossing: &Crossing, needed_s: f64) -> bool {
         let red = |after_s: f64| {
             let lights = crossing.signals.iter().map(|&s| self.signals.state(s, self.time_s + after_s));

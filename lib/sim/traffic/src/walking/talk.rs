@@ -1,4 +1,4 @@
-//! Groups who stand and talk when a scene begins: two face each other, three stand in a ring.
+//! Groups that stand and talk when a scene begins: two face each other, three stand in a ring.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

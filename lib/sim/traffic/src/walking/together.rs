@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 
 use crate::walking::walker::Walker;
 
-/// Those who are farther apart have lost one another, metres.
+/// Members farther apart than this have lost one another, metres.
 const LOST_M: f64 = 15.0;
 /// Share of its speed by which one is faster for each metre that it is behind the others, and bounds of that.
 const HURRIES: f64 = 0.25;

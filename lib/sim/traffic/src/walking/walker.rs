@@ -27,7 +27,8 @@ const PATIENCE_S: f64 = 5.0;
 const GIVE_UP_S: f64 = 25.0;
 /// The same at a light, whose turn comes some time, seconds.
 const GIVE_UP_AT_LIGHT_S: f64 = 90.0;
-/// Who may cross anywhere and finds no way through where it meant to tries again after this way, metres.
+/// A walker who may cross anywhere and finds no way through at the wanted place tries again after this way,
+/// metres.
 const NEXT_TRY_M: f64 = 2.0;
 /// Users of wheelchairs are not faster than this, m/s.
 pub(crate) const WHEELCHAIR_MPS: f64 = 2.0;
@@ -35,7 +36,7 @@ pub(crate) const WHEELCHAIR_MPS: f64 = 2.0;
 const REACH_M: f64 = 0.3;
 /// Who cannot get on waits behind those who stand at the kerb, within this distance of it, metres.
 const QUEUE_M: f64 = 3.0;
-/// Who gets on less than a fifth as fast as wished for this long goes somewhere else, seconds.
+/// A walker who gets on less than a fifth as fast as wished for this long goes somewhere else, seconds.
 const STUCK_S: f64 = 4.0;
 /// Braking at a destination, m/s2, down to a speed at which one turns round, m/s.
 const HALT_MPS2: f64 = 2.5;
@@ -44,7 +45,7 @@ const TURN_MPS: f64 = 0.4;
 /// A pedestrian this near to a lane's middle is on the lane for drivers, metres.
 const LANE_SIDE_M: f64 = 2.5;
 
-/// Who is in the way of a vehicle's corner steps back as fast as this, m/s, and looks this far ahead,
+/// A walker in the way of a vehicle's corner steps back as fast as this, m/s, and looks this far ahead,
 /// seconds.
 const STEPS_BACK_MPS: f64 = 1.4;
 const STEPS_BACK_S: f64 = 0.5;
@@ -359,7 +360,7 @@ impl Walker {
         radius_m(self.model.size_m)
     }
 
-    /// What it wishes for now, and the height of the surface there; nothing of who sits or was struck.
+    /// What it wishes for now, and the height of the surface there; none for a walker who sits or was struck.
     fn wish(&mut self, around: &Surroundings<'_>) -> Option<(DesiredVelocity, f64)> {
         let &Surroundings { paths, time_s, .. } = around;
         match self.mode.clone() {
@@ -453,7 +454,7 @@ impl Walker {
                 let on = moved.dot(&wish.ahead) / FRAME_PERIOD_S > 0.2 * wish.speed_mps;
                 self.stuck_s = if on { 0.0 } else { self.stuck_s + FRAME_PERIOD_S };
                 self.walked_m += rise;
-                // Who shuffles looks where it wants to go.
+                // A walker who shuffles looks where it wants to go.
                 let look = if self.velocity_mps.norm() > 0.3 { self.velocity_mps } else { wish.ahead };
                 self.turn_to(frames::math::atan2(look.y, look.x));
             }
@@ -532,7 +533,7 @@ impl Walker {
         (DesiredVelocity { ahead, speed_mps, aside_m: 0.0, room_m }, height)
     }
 
-    /// Where on a kerb the walker goes who comes from `side`: on its right half of the crossing.
+    /// Where on a kerb a walker from `side` goes: on its right half of the crossing.
     fn kerb(&self, crossing: &Crossing, side: usize, at: usize) -> Point3<f64> {
         let way = flat(&crossing.ends[side], &crossing.ends[1 - side]);
         let left = Vector2::new(-way.y, way.x) * (self.offset * crossing.half_width_m / way.norm().max(1e-6));

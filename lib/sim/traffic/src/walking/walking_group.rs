@@ -1,4 +1,4 @@
-//! Groups: two or three who walk together.
+//! Groups: two or three people who walk together.
 //!
 //! The first of a group goes where it likes; the others take over its route and their place beside it.
 
@@ -10,7 +10,7 @@ const TWO_OF_THREE: f64 = 2.0 / 3.0;
 const MEAN_SIZE: f64 = 2.0 * TWO_OF_THREE + 3.0 * (1.0 - TWO_OF_THREE);
 /// Where across the way each likes to walk, in its direction: -1 is the right edge.
 const ABREAST: [&[f64]; 2] = [&[-0.85, 0.15], &[-1.0, 0.0, 1.0]];
-/// Who walks with somebody.
+/// The group that a walker belongs to.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WalkingGroup {
     /// Index of the first of the group.

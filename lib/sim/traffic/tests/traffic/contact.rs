@@ -55,7 +55,7 @@ fn drivers_make_room_for_a_parked_car_that_reaches_into_the_lane() {
         let beside: Vec<&&StateRow> = track.iter().filter(|s| (s.xyz_m[0] - 150.0).abs() < 20.0).collect();
         assert!(beside.iter().all(|s| s.velocity_mps[0] > 9.0 && s.velocity_mps[1].abs() < 1.2), "{model}");
     }
-    // Who does not reach into the lane is passed in its middle.
+    // An obstacle that does not reach into the lane is passed in its middle.
     let beside = parked([150.0, -3.5 - 0.95, 0.0], 0.0, CAR_M);
     let log = drive_by(agent(0, [30.0, -1.75, 0.0], 0.0), &beside);
     assert!(tracks(&log)[&2].iter().all(|s| (s.xyz_m[1] + 1.75).abs() < 1e-6));
@@ -183,7 +183,7 @@ fn each_overlooks_what_it_is_said_to_overlook() {
             let at_accident = run_with(&straight(500.0), &scene, &[driver()], row, &settings);
             let wanted = [into_works, into_accident];
             for (k, log) in [works(driver(), &settings, seed), at_accident].into_iter().enumerate() {
-                // For people even those stop who see nothing else there.
+                // For people even drivers stop who see nothing else there.
                 if wanted[k] && things(&log).iter().any(|t| t.kind == ActorKind::Walker) {
                     continue;
                 }
@@ -272,8 +272,8 @@ fn two_who_graze_drive_on() {
 
 #[test]
 fn a_car_out_of_control_hits_people_on_the_sidewalk() {
-    // A lorry stands askew on the left half of the lane: who drives against it at full speed is thrown to the
-    // right, onto the sidewalk, which lies from -3.5 to -6.5.
+    // A lorry stands askew on the left half of the lane: a vehicle that drives against it at full speed is
+    // thrown to the right, onto the sidewalk, which lies from -3.5 to -6.5.
     let lorry = parked([120.0, 0.2, 0.0], -0.45, [8.0, 2.4, 3.0]);
     let mut struck = 0;
     for seed in 0..6 {
@@ -287,7 +287,7 @@ fn a_car_out_of_control_hits_people_on_the_sidewalk() {
             let walkers = log.actors.iter().filter(|a| a.kind == ActorKind::Walker);
             let thrown: Vec<f64> = walkers
                 .filter_map(|w| {
-                    // Nobody gains 1.5 m/s within a step by walking, but for runners, who do not lie there in
+                    // No walker gains 1.5 m/s within a step, but for runners, who do not lie there in
                     // the end.
                     let lies = tracks[&w.id][440..].iter().all(|s| s.velocity_mps == [0.0; 3]);
                     let hit = tracks[&w.id].windows(2).filter(|_| lies).find(|p| {
@@ -300,7 +300,7 @@ fn a_car_out_of_control_hits_people_on_the_sidewalk() {
             assert!(hits || thrown.is_empty(), "seed {seed}: {thrown:?}");
             assert!(thrown.iter().all(|y| (3.5..6.5).contains(&y.abs())), "on the sidewalks: {thrown:?}");
             struck += thrown.len();
-            // Nobody who walks on ends up inside the wreck.
+            // No walker ends up inside the wreck.
             let rest = log.states.iter().filter(|s| s.frame == 499).cloned().collect();
             let still = SimulationLog { states: rest, ..log.clone() };
             assert_eq!(collisions(&still, true), [], "seed {seed}");

@@ -327,7 +327,7 @@ fn doors_of_traffic_open_at_stops_and_close_in_motion() {
         for pair in states.windows(2).skip(1) {
             assert!(pair[1].door_rad[0] - pair[0].door_rad[0] < 0.1, "{pair:?}");
         }
-        // Who stands for good has got out.
+        // The people in a vehicle that stands for good have got out.
         let tail = &states[states.len() - 40..];
         if tail.iter().all(|s| speed(s) == 0.0) && doors > 0 && actor.role == ActorRole::Background {
             assert!(open(tail[39]), "{actor:?}");

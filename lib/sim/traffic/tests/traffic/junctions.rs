@@ -1,4 +1,4 @@
-//! Who goes when at junctions: full queues on all arms of roundabouts.
+//! The order at junctions: full queues on all arms of roundabouts.
 
 use crate::common::{
     collisions, queues_at_roundabout, roundabout, roundabout_entry_m, run, scene, settings, tracks,
@@ -66,8 +66,8 @@ fn full_queues_flow_round_a_small_ring() {
 
 #[test]
 fn full_queues_flow_round_a_ring() {
-    // Scenes that stood for good where who is ahead may have a younger leave, and where who stands keeps its
-    // turn.
+    // Scenes that stood for good where the vehicle ahead may have a younger reservation, and where a standing
+    // one keeps its turn.
     [1, 3].into_iter().for_each(|seed| full_queues_flow(18.0, seed));
 }
 

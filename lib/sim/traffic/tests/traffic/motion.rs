@@ -90,7 +90,7 @@ fn vehicles_go_as_fast_as_their_drivers_wish_on_any_map() {
     let town = town::generate(&town::named("convoy/demo").expect("our town")).expect("a town");
     let real = testkit::real_maps(&["Town10HD", "Town04", "Town06"]);
     for (name, map) in std::iter::once(("convoy/demo", Map::new(town))).chain(real) {
-        // Who rides a bicycle before a queue decides what one scene's vehicles do.
+        // A single cyclist before a queue decides what one scene's vehicles do.
         let mut found = [Vec::new(), Vec::new()];
         for seed in [28, 29, 30] {
             let scene = PlanSceneRow { background_vehicles: Some(80), seed, ..scene(40.0) };

@@ -40,7 +40,7 @@ impl Shot {
         Self { log: SimulationLog::default(), states: (20.0 * seconds).round() as usize }
     }
 
-    /// Adds somebody of a model who is driven as told; returns the id.
+    /// Adds an actor of a model that is driven as told; returns the id.
     fn add(&mut self, model: &str, driver: &str, place: impl Fn(f64) -> PlanarState) -> u16 {
         let id = self.log.actors.len() as u16 + 1;
         let known = models::find(model).expect("a model");
@@ -185,7 +185,8 @@ fn lights_are_run_at_red_alone() {
         // The front is at the line when the middle is 2.35 m before it: after 4.765 s.
         assert!(found.red_runs.iter().all(|r| *r == (96, id)), "{:?}", found.red_runs);
     }
-    // Who stops before the line passes nothing; nor does who stops with the rear on it when the light turns.
+    // A vehicle that stops before the line passes nothing; nor does one that stops with the rear on it when
+    // the light turns.
     let mut shot = Shot::new(8.0);
     shot.car(|t| (60.0 - 10.0 * t.min(4.7), 1.75, PI, if t < 4.7 { 10.0 } else { 0.0 }));
     shot.light("s0", |_| SignalState::Red);

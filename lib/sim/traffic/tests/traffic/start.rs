@@ -32,8 +32,8 @@ fn traffic_is_at_rest_or_under_way_when_the_simulation_begins() {
     for (v, wished) in rolling.iter().zip([0.8, 1.2]) {
         assert!((v - wished * 50.0 / 3.6).abs() < 0.2, "{rolling:?}");
     }
-    // Who starts 12 m behind one that goes at 0.8 of the limit follows it and plans to brake with 2 m/s2:
-    // s0 + v T + v (v - u) / (2 sqrt(a b)) = (12 - 4.7) sqrt(2 / a).
+    // A vehicle that starts 12 m behind one that goes at 0.8 of the limit follows it and plans to brake with
+    // 2 m/s2: s0 + v T + v (v - u) / (2 sqrt(a b)) = (12 - 4.7) sqrt(2 / a).
     second.xyz_m[0] = 108.0;
     let log = run(&straight(900.0), &scene, &[first, second], &moving());
     let follower = &tracks(&log)[&2];

@@ -391,6 +391,6 @@ fn some_who_wait_sit_on_benches() {
     assert!(all >= 12 && taken.len() == all, "{all} sit, on {} places", taken.len());
     let both = taken.windows(2).filter(|pair| pair[0].0 == pair[1].0).count();
     assert!(both >= 2, "{both} benches have two on them");
-    // Those who walk by keep off them.
+    // Passing walkers keep off them.
     assert_eq!(overlaps(&log), []);
 }

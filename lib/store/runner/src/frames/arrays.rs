@@ -35,7 +35,7 @@ pub trait FrameArrays: Sync {
     /// The archives, in the order of a frame's arrays.
     fn kinds(&self) -> Vec<&'static ArrayKind>;
 
-    /// What the archives say of themselves, for who reads them without the configuration: a JSON object, or
+    /// What the archives say of themselves, for readers without the configuration: a JSON object, or
     /// nothing.
     ///
     /// # Errors

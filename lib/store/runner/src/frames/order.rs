@@ -159,7 +159,7 @@ where
                         let (seen, frame, is_over) = (Arc::clone(seen), self.frame, self.is_over);
                         pool.spawn(move |_| {
                             if !is_over.load(Ordering::Relaxed) {
-                                // Who no longer listens has met an error.
+                                // A receiver that no longer listens has met an error.
                                 let _ = give.send(frame(&seen, number));
                             }
                         });

@@ -1,4 +1,4 @@
-//! Who stands where several would.
+//! Which of several candidates for one place is kept.
 //!
 //! All candidates of a kind are looked at at once. Each has a rank of its own, drawn from what it is; it
 //! stands if no candidate of a higher rank is in its way, whether that one stands or not. So whether

@@ -245,7 +245,7 @@ fn long(
     let (row, bay) = (row.get(..bays)?, row.first()?);
     let in_a_row = |pair: &[Bay]| {
         let apart = (pair[1].at - pair[0].at).norm() - 0.5 * (pair[0].room_m[0] + pair[1].room_m[0]);
-        // Who has turned in its place still is in the row.
+        // A vehicle that was turned in its place still is in the row.
         let turn = wrap_pi(2.0 * (pair[1].yaw_rad - pair[0].yaw_rad)).abs() / 2.0;
         apart.abs() < IN_A_ROW[0] && turn < IN_A_ROW[1] && (pair[1].at.z - pair[0].at.z).abs() < 1.0
     };

@@ -8,7 +8,7 @@ use schema::mesh_textures::Image;
 
 use crate::actors::canvas::Canvas;
 
-/// A polygon on the board, from -1 to 1: to the right of who reads it, and upward.
+/// A polygon on the board, from -1 to 1: to the reader's right, and upward.
 type Shape = &'static [[f32; 2]];
 
 const WHITE: [f32; 3] = [0.85; 3];
@@ -31,7 +31,7 @@ const WIDE_BAR: Shape = &[[-0.72, -0.16], [0.72, -0.16], [0.72, 0.16], [-0.72, 0
 const STROKE: Shape = &[[0.58, -0.44], [0.44, -0.58], [-0.58, 0.44], [-0.44, 0.58]];
 /// The other way, with the one before a cross.
 const COUNTER_STROKE: Shape = &[[-0.58, -0.44], [-0.44, -0.58], [0.58, 0.44], [0.44, 0.58]];
-/// An arrow to the right of who reads it.
+/// An arrow to the reader's right.
 const ARROW: [Shape; 2] = [
     &[[-0.75, -0.16], [0.15, -0.16], [0.15, 0.16], [-0.75, 0.16]],
     &[[0.15, -0.62], [0.80, 0.0], [0.15, 0.62]],
@@ -42,7 +42,7 @@ const LEFT_ARROW: [Shape; 3] = [
     &[[-0.20, 0.04], [0.28, 0.04], [0.28, 0.22], [-0.20, 0.22]],
     &[[-0.20, -0.14], [-0.20, 0.40], [-0.55, 0.13]],
 ];
-/// Somebody who walks: body, two legs, an arm; the head is a disc.
+/// A pedestrian: body, two legs, an arm; the head is a disc.
 const WALKER: [Shape; 4] = [
     &[[-0.10, -0.30], [0.10, -0.30], [0.12, 0.10], [-0.12, 0.10]],
     &[[-0.30, -0.70], [-0.17, -0.70], [0.04, -0.26], [-0.10, -0.26]],
@@ -271,7 +271,7 @@ impl Face {
         }
     }
 
-    /// Somebody who walks, of some size about a place.
+    /// A pedestrian of some size about a place.
     fn walker(&mut self, x: f32, y: f32, size: f32, rgb: [f32; 3]) {
         let place = |p: [f32; 2]| [x + p[0] * size, y + p[1] * size];
         for part in WALKER {

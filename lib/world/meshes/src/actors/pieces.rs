@@ -88,14 +88,14 @@ pub struct Coarser {
 }
 
 /// What stands behind the panes of a vehicle ([`schema::geometry::Surface::is_window`]), in the frame of its
-/// body, the first of the pieces. It is strictly inside the body and no piece of it: only who looks through a
-/// pane sees it. The lining of floor, sides and roof is open and faces inward; all else is closed and faces
+/// body, the first of the pieces. It is strictly inside the body and no piece of it: it is seen only
+/// through a pane. The lining of floor, sides and roof is open and faces inward; all else is closed and faces
 /// outward.
 #[derive(Clone, Debug)]
 pub struct Cabin {
     /// Lining, dashboard, steering wheel, seats.
     pub seats: Arc<TriMesh>,
-    /// Who drives: what shows of them above the seat. Nobody is in a vehicle that is parked.
+    /// The driver: the parts above the seat. Parked vehicles have none.
     pub driver: Option<Arc<TriMesh>>,
 }
 

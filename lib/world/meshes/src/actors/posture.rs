@@ -12,7 +12,7 @@ pub struct Posture {
     pub phase_rad: f32,
     /// The speed that walkers stride at, m/s.
     pub gait_mps: f32,
-    /// Height of the seat that a walker sits on, metres; 0 of who does not sit.
+    /// Height of the seat that a walker sits on, metres; 0 for a walker who does not sit.
     pub seat_m: f32,
     /// How far the doors stand open, radians.
     pub door_rad: [f32; 4],

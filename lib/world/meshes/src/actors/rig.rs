@@ -52,7 +52,7 @@ impl Pedals {
     }
 }
 
-/// Somebody who rides a two-wheeler.
+/// The rider of a two-wheeler.
 #[derive(Clone, Debug)]
 pub struct Rider {
     /// Who.
@@ -76,7 +76,7 @@ impl Rider {
 /// Half the height of a pedal, metres.
 pub(crate) const PEDAL_M: f32 = 0.012;
 
-/// Somebody who pushes the wheels of the chair that they sit in.
+/// A person in a wheelchair who pushes its wheels.
 #[derive(Clone, Debug)]
 pub struct Pusher {
     /// Who.

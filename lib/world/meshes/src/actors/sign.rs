@@ -43,7 +43,7 @@ pub(crate) fn sign(kind: &str, size: Vec3, said: SignFace) -> TriMesh {
     );
     let mut mesh = b.finish();
     let image = crate::actors::device::picture(kind, [size.y, size.z], said);
-    // As who reads it sees it: y is to the right.
+    // As a reader sees it: y is to the right.
     let place = |p: Vec3| Vec2::new(0.5 + p.y / size.y, 1.0 - p.z / size.z);
     let corners = (0..mesh.triangles.len()).map(|i| mesh.corners(i).map(place)).collect();
     let sets = vec![TextureSet { colour: Some(image), ..TextureSet::default() }];

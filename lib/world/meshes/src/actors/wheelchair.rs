@@ -17,7 +17,7 @@ use crate::actors::wheel;
 /// Width of a large wheel's tyre, metres.
 const TYRE_M: f32 = 0.035;
 
-/// A wheelchair; the variant dresses who sits in it.
+/// A wheelchair; the variant dresses the person in it.
 pub(crate) fn wheelchair(model: &Model, size: Vec3, variant: u32) -> ActorMesh {
     let frame = MeshPart::new(Tag::Pedestrian, Surface::Metal, [0.30, 0.31, 0.33]);
     let canvas = MeshPart::new(Tag::Pedestrian, Surface::Cloth, [0.03, 0.03, 0.04]);

@@ -215,7 +215,7 @@ fn word(model: &Model, variant: u32, question: u64) -> usize {
 }
 
 impl Appearance {
-    /// The look of a walker, or of who sits in a wheelchair or rides, by model and variant.
+    /// The appearance of a walker, a rider or a person in a wheelchair, by model and variant.
     #[must_use]
     pub fn new(model: &Model, variant: u32) -> Self {
         let variant = variant % APPEARANCES;

@@ -1,4 +1,4 @@
-//! Dogs on a lead: where they are beside who leads them, and how they trot.
+//! Dogs on a lead: where they are beside the person who leads them, and how they trot.
 //!
 //! A dog takes some whole number of strides to its leader's one. A paw on the ground goes back, seen from the
 //! dog, exactly as far as it goes on; each foreleg moves with the hind leg of the other side.

@@ -29,7 +29,7 @@ pub enum Bone {
     Cane,
     /// A shovel, from its upper end down.
     Shovel,
-    /// A pram without its wheels, from the ground below who pushes it.
+    /// A pram without its wheels, from the ground below the person who pushes it.
     Pram,
     /// Both front wheels of a pram about their axle, and both rear ones.
     PramFront,

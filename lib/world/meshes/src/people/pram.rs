@@ -1,5 +1,5 @@
-//! Prams: where they are before who pushes them. They roll as the body goes on, and their wheels turn with
-//! the phase of the walk.
+//! Prams: where they are before the person who pushes them. They roll as the body goes on, and their wheels
+//! turn with the phase of the walk.
 
 use std::f32::consts::TAU;
 
@@ -8,8 +8,8 @@ use glam::{Mat3A, Vec3};
 use crate::people::figure::{Bone, Bones, Figure, Side};
 use crate::people::joints::{about_y, frame};
 
-/// The wheels of an axle, metres: how far it is ahead of the hips of who pushes, their radius, how far from
-/// the middle they run.
+/// The wheels of an axle, metres: how far it is ahead of the hips of the person who pushes, their radius, how
+/// far from the middle they run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Axle {
     pub(crate) ahead: f32,
@@ -17,7 +17,7 @@ pub(crate) struct Axle {
     pub(crate) aside: f32,
 }
 
-/// The feet of who pushes never reach the rear axle.
+/// The feet of the person who pushes never reach the rear axle.
 pub(crate) const REAR: Axle = Axle { ahead: 0.74, radius: 0.14, aside: 0.27 };
 pub(crate) const FRONT: Axle = Axle { ahead: 1.22, radius: 0.10, aside: 0.20 };
 /// How far from the middle the hands are on the handle, metres.

@@ -14,7 +14,7 @@ const BACK_RAD: f32 = 0.14;
 const SINKS_M: f32 = 0.007;
 /// The pelvis reaches so far below the hips, as a share of the stature.
 const BELOW_HIPS: f32 = 0.060;
-/// Who is so short that the thighs slope down sits higher by this share of the slope.
+/// A person so short that the thighs slope down sits higher by this share of the slope.
 const SLOPE_LIFTS: f32 = 0.5;
 /// How far the feet look outward, radians, and how far they stand aside from below the hips, as a share of
 /// the stature.

@@ -453,7 +453,7 @@ fn far_away_people_are_as_large_of_fewer_triangles() {
     }
 }
 
-/// Everybody who may sit, on a seat of a height at a phase: the points by bone.
+/// All people who may sit, on a seat of a height at a phase: the points by bone.
 fn sitting() -> impl Iterator<Item = (String, Walker)> {
     let plain = |model: &&Model| model.special == Special::None && model.name != "walker.child";
     models().filter(plain).flat_map(|model| {

@@ -31,7 +31,7 @@ impl Figure {
         let walk = 1.0 - gait.run;
         // The body is over the foot that carries it, and lowest (running: while it carries).
         let over = strides - gait.duty * 0.5 * TAU;
-        // Who stands shifts the weight, looks about and moves the hands in talk.
+        // A standing person shifts the weight, looks about and moves the hands in talk.
         let idle = gait.idle * sin(phase_rad);
         let sway = self.stature * (0.010 * v * walk * cos(over) + 0.009 * idle);
         let z = self.hips_m(&gait) + self.bob(&gait) * cos(2.0 * over);

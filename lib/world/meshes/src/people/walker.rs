@@ -17,7 +17,7 @@ use crate::people::gait::USUAL_MPS;
 /// Height of a bench's seat, metres: how far ahead somebody sits on it is the same on others.
 const USUAL_SEAT_M: f32 = 0.425;
 
-/// Somebody who walks, with meshes and a box.
+/// A pedestrian with meshes and a box.
 #[derive(Clone, Debug)]
 pub struct Walker {
     figure: Figure,

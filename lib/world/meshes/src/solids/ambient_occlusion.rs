@@ -69,7 +69,7 @@ pub fn ambient_visibility(
     let mut ground = Ground::under(bounds);
     let cells = ground.places();
     let (mut got, mut most) = (vec![0.0f32; places.len()], vec![1e-6f32; places.len()]);
-    // Who sees ground where, and how much that counts.
+    // Which directions see the ground where, and with what weight.
     let mut below: Vec<(u32, f32, Vec2)> = Vec::new();
     for number in 0..estimate.axes {
         let up = axis(number, estimate.axes);

@@ -1,5 +1,5 @@
-//! Light on curved surfaces: normals at the corners of triangles. Where a surface is, and who sees it,
-//! follows its flat triangles.
+//! Light on curved surfaces: normals at the corners of triangles. Where a surface is, and where it is seen
+//! from, follows its flat triangles.
 
 use frames::math;
 use glam::Vec3;

@@ -127,7 +127,7 @@ fn boxes_are_those_of_all_vertices() {
             assert!(found.min.z.abs() < 0.01, "at {speed_mps} m/s: {}", found.min.z);
         }
     }
-    // Who stands fills the box that the log has.
+    // A standing person fills the box that the log has.
     let (found, size) = (bounds(&who, 0.0, 0.0), who.size_m());
     let faces = [
         found.min.x + 0.5 * size.x,

@@ -87,7 +87,7 @@ fn each_direction_meets_its_side() {
 #[test]
 fn every_object_on_the_way_is_met_once() {
     let mut b = car();
-    // Behind the car for who comes from the front; two of one label and object count once, at the first.
+    // Behind the car for rays from the front; two of one label and object count once, at the first.
     b.add(box_mesh(Tag::Wall, [0.2, 0.2, 0.2], 1), 5, [-0.9, 0.12, 0.4], [0.0; 3]);
     b.add(box_mesh(Tag::Car, [0.2, 0.2, 0.2], 1), 4, [-1.6, 0.1, 0.4], [0.0; 3]);
     let front = swept(&b.snapshot([0.0; 3]), &SweepSettings { x_front: true, ..NONE });

@@ -252,8 +252,8 @@ pub(crate) fn roundabout_entry_m(radius_m: f64) -> [f64; 2] {
     [(radius_m - e * sin) / cos + leg, leg * half_cos / half_sin]
 }
 
-/// A ring of one lane, its middle at a radius, and four arms of one lane each way; who enters has a yield
-/// sign. As real maps have it, each arm is a junction and the ring between two arms is a road.
+/// A ring of one lane, its middle at a radius, and four arms of one lane each way; vehicles that enter have a
+/// yield sign. As real maps have it, each arm is a junction and the ring between two arms is a road.
 pub(crate) fn roundabout(radius_m: f64, arms_m: f64) -> Map {
     use std::f64::consts::FRAC_PI_2;
     let [from_m, bend_m] = roundabout_entry_m(radius_m);

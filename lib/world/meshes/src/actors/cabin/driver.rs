@@ -1,4 +1,4 @@
-//! Who drives: what shows of somebody above a seat.
+//! The driver: the parts that show above a seat.
 
 use crate::people::{Appearance, Bone, Figure, Hat, Seat};
 use crate::solids::{Detail, Fit};

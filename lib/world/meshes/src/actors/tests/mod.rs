@@ -132,7 +132,7 @@ fn meshes_stay_inside_their_boxes() {
         for phase in [0.0, 0.9, 2.2, 4.4, 11.0] {
             let b = bounds(&actor, phase, boxed);
             let slack = 0.012;
-            // The box about who stands and moves a little follows the pose.
+            // The box of a pedestrian who stands and moves a little follows the pose.
             let (high, half) = match actor.rig.as_deref() {
                 Some(Rig::Walks(walker)) => {
                     let size = walker.box_m(phase, 0.0);

@@ -12,7 +12,7 @@ use crate::people::pram::{Axle, FRONT, REAR};
 /// Thickness of a wheel, metres.
 const TYRE_M: f32 = 0.034;
 
-/// All but the wheels, from the ground below the hips of who pushes.
+/// All but the wheels, from the ground below the hips of the person who pushes.
 pub(super) fn frame(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
     let tube = MeshPart::new(s.tag, Surface::Metal, [0.10, 0.10, 0.11]);
     let grip = MeshPart::new(s.tag, Surface::Rubber, [0.03, 0.03, 0.032]);
