@@ -63,7 +63,7 @@ fn schema_page_names_every_column() {
     check("schema.md", &text);
 }
 
-/// What stands between backquotes in the text of a page, outside blocks of code.
+/// The texts between backquotes on a page, outside blocks of code.
 fn quoted(page: &str) -> impl Iterator<Item = &str> {
     let outside = page.split("```").step_by(2).flat_map(str::lines);
     outside.flat_map(|line| line.split('`').skip(1).step_by(2))

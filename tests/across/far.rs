@@ -61,7 +61,7 @@ fn driven(from_m: f64, seconds: u32) -> (Bench, SceneReader) {
     (bench, scene)
 }
 
-/// What stands still in a snapshot: the bits of every triangle's corners in its frame, with its tag.
+/// Static objects in a snapshot: the bits of every triangle's corners in its frame, with its tag.
 fn still(snapshot: &Snapshot, moving: &[ObjectId]) -> Vec<(u8, [[u32; 3]; 3])> {
     let mut triangles = Vec::new();
     for instance in snapshot.instances.iter().filter(|i| !moving.contains(&i.object)) {
@@ -79,7 +79,7 @@ fn moving(replay: &Replay) -> Vec<ObjectId> {
     replay.log.actors.iter().filter(|a| !a.fixed).map(|a| a.id).collect()
 }
 
-/// What stands within some metres of a place, apart from ids and from which lamps work.
+/// The objects within some metres of a place, apart from ids and from which lamps work.
 fn standing(actors: &[ActorRow], at: [f64; 3], within_m: f64) -> Vec<ActorRow> {
     let near = |a: &&ActorRow| {
         let [dx, dy] = [a.xyz_m[0] - at[0], a.xyz_m[1] - at[1]];

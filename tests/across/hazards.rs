@@ -109,7 +109,7 @@ fn counts_agree(made: &Made) {
         let barriers = things.iter().filter(|a| a.model.starts_with("barrier.")).count();
         fenced += u32::from(hazard.kind == HazardKind::RoadWorks && barriers >= 2);
     }
-    // Barriers that would touch what stands already are left out.
+    // Barriers that would touch existing objects are left out.
     assert!(2 * fenced > info.n_road_work_hazards, "{fenced}");
     // Vehicles and walkers of hazards are not counted among the background.
     let background = made.actors.iter().filter(|a| a.role == ActorRole::Background).count();

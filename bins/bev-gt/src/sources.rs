@@ -100,7 +100,7 @@ impl AgentLanes {
         position: usize,
         frame: u32,
     ) -> LaneView<'a> {
-        // What stands chooses once.
+        // Chosen once for objects that do not move.
         let chosen = if self.moves { frame - frame % CHOSEN_FRAMES } else { 0 };
         LaneView {
             lanes: &self.lanes,

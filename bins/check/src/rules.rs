@@ -77,7 +77,7 @@ rules! {
 
 impl Rule {
     /// Rules that hold labels and readings against the log, the map or the world, or against ids and tags of
-    /// points: a scene that was imported has none of these, and what stands in their place was taken from its
+    /// points: a scene that was imported has none of these, and the values in their place were taken from its
     /// labels.
     pub(crate) const OF_THE_LOG: &[Self] = &[
         Self::Poses,

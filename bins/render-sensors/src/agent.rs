@@ -14,7 +14,7 @@ use crate::recorder::{Channel, Channels};
 /// Everything within this distance is handed to the sensors: scenery reaches no further, lidars see less.
 const SIGHT_M: f64 = 1000.0;
 
-/// What stands still in a scene, for painters.
+/// Static objects in a scene, for painters.
 pub(crate) struct StaticWorld<'a>(pub(crate) &'a Replay);
 
 impl StillWorld for StaticWorld<'_> {

@@ -69,14 +69,14 @@ impl FixedWorld for Nearby<'_> {
 /// The tiles that a scene has.
 pub(crate) struct SceneTiles {
     tiles: Vec<Arc<KnownTile>>,
-    /// What stands in them, and their surfaces, with ids.
+    /// The objects in them, and their surfaces, with ids.
     pub(crate) actors: Vec<ActorRow>,
     /// The rows of the log.
     pub(crate) rows: Vec<SceneTileRow>,
 }
 
 impl SceneTiles {
-    /// The tiles within reach of any agent at any frame. Ids follow those of what moves.
+    /// The tiles within reach of any agent at any frame. Ids follow those of moving objects.
     ///
     /// # Errors
     /// The store fails, or ids run out.

@@ -34,7 +34,7 @@ pub(crate) struct CellArrays {
 /// differ by in all.
 struct Object<'a> {
     labelled: Option<&'a Labelled>,
-    /// Where it is and where it was a frame before; none of what stands.
+    /// Where it is and where it was a frame before; none for objects at rest.
     moved: Option<[Motion; 2]>,
     is_walker: bool,
     cells: u64,
@@ -163,7 +163,7 @@ impl Object<'_> {
         self.unlike += u64::from(!is_rigid);
         self.off = add(self.off, sub(flow, wanted));
         self.speed += speed;
-        // What stands as a whole has parts that stand.
+        // An object at rest has cells at rest.
         let holds = is_rigid || (self.moved.is_some() && off <= LOOSE[0] + LOOSE[1] * speed);
         ledger.expect(Rule::CellFlow, holds, || {
             format!("frame {frame}: a voxel of object {id} moves at {flow:.2?} m/s, the object there at {wanted:.2?}")

@@ -58,8 +58,8 @@ pub(crate) struct Cloud<'a> {
     pub(super) offsets_s: Vec<f32>,
     /// In the frame of the sensor when the ray was fired, m.
     pub(super) fired: Vec<V3>,
-    /// Where the surface that was met is in the world at the frame's time: of what moves, carried on with its
-    /// object.
+    /// Where the surface that was met is in the world at the frame's time; on moving objects it is
+    /// carried on with the object.
     now: Vec<V3>,
     /// Whether rays were fired at another time than the frame's.
     pub(crate) rolls: bool,

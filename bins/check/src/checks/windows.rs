@@ -1,4 +1,4 @@
-//! Windows of the past and the future of what moves, against boxes and states.
+//! Windows of the past and the future of moving objects, against boxes and states.
 
 use std::collections::BTreeSet;
 

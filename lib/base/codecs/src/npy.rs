@@ -1,4 +1,4 @@
-//! The NPY header: what stands before an array's bytes.
+//! The NPY header, before an array's bytes.
 //!
 //! By hand: `npyz` brings some twenty crates (a grammar of Python's literals, big numbers) for this one line
 //! of text.

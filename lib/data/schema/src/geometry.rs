@@ -302,7 +302,7 @@ pub struct Snapshot {
     pub meshes: Arc<[Arc<TriMesh>]>,
     /// All instances, in a fixed order.
     pub instances: Vec<Instance>,
-    /// What stands behind panes ([`Surface::is_window`]), by object ascending: it is seen only
+    /// Objects behind panes ([`Surface::is_window`]), by object ascending: they are seen only
     /// through a pane. They are numbered on from the instances ([`Self::behind`]).
     pub cabins: Vec<Instance>,
     /// Motions of the objects that may move, by id ascending. Others stand still.
@@ -317,7 +317,7 @@ impl Snapshot {
         Some(&self.motions[at])
     }
 
-    /// An instance by its number, or what stands behind panes by one beyond theirs.
+    /// An instance by its number, or objects behind panes by one beyond theirs.
     #[must_use]
     pub fn behind(&self, number: u32) -> Option<&Instance> {
         let number = number as usize;

@@ -46,7 +46,7 @@ impl Renderer for BruteRenderer {
 }
 
 impl<'a> BruteScene<'a> {
-    /// The instances as they were at a moment before the frame, with or without what stands behind panes.
+    /// The instances as they were at a moment before the frame, with or without objects behind panes.
     fn new(snapshot: &'a Snapshot, before: f32, with_cabins: bool) -> Self {
         let mut triangles = Vec::new();
         let cabins: &[Instance] = if with_cabins { &snapshot.cabins } else { &[] };

@@ -98,7 +98,7 @@ pub struct StopBar {
     pub light: Light,
 }
 
-/// A map with what stands on it: the backdrop of every frame.
+/// A map with the objects on it: the backdrop of every frame.
 ///
 /// ```
 /// use mapview::{Film, FilmWriter, ViewOptions};

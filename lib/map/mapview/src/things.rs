@@ -140,7 +140,7 @@ fn axis(polygon: &[Point3<f64>]) -> Option<([Point3<f64>; 2], f64)> {
     Some(([middle + along * a, middle + along * b], d - c))
 }
 
-/// What stands beside the roads.
+/// The objects beside the roads.
 pub(crate) fn beside_roads(sheet: &mut Sheet<'_>, picture: &mut Picture) {
     let (map, page) = (sheet.map, sheet.page);
     for object in map.objects() {

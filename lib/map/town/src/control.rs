@@ -98,7 +98,7 @@ pub(crate) struct Furniture {
     pub(crate) objects: Vec<Object>,
 }
 
-/// Puts up the signals or signs of a junction: its controllers, and what stands at each arm.
+/// Puts up the signals or signs of a junction: its controllers, and the lights or signs at each arm.
 pub(crate) fn equip(
     ids: &mut Ids,
     built: &mut Built,

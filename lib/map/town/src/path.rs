@@ -167,7 +167,7 @@ impl Path {
             .collect();
         let wished: Vec<f64> = fillets.iter().map(|f| f.tangent_m).collect();
         let last = legs.len() - 1;
-        // Both ends stay straight, so that what stands beside them faces along the lanes.
+        // Both ends stay straight, so that objects beside them face along the lanes.
         let room = |leg: usize| {
             let ends = usize::from(leg == 0) + usize::from(leg == last);
             legs[leg].0 - ends as f64 * STRAIGHT_M.min(0.2 * legs[leg].0)

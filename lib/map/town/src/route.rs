@@ -39,7 +39,7 @@ pub(crate) fn route(edge: &Edge, ends: [Pose2; 2]) -> Result<Path, TownError> {
 
 fn through(edge: &Edge, vias: &[Via], [start, end]: [Pose2; 2]) -> Result<Path, TownError> {
     let finish = end.turned(PI);
-    // Straight at its ends, so that what stands beside them faces along the lanes.
+    // Straight at its ends, so that objects beside them face along the lanes.
     let plain = Bend { radius_m: f64::INFINITY, ease_m: 0.0, lead_in_m: STRAIGHT_M, lead_out_m: STRAIGHT_M };
     let (Some(first), Some(last)) = (vias.first(), vias.last()) else {
         let (ahead, _) = start.locate(end);

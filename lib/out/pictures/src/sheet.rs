@@ -21,7 +21,7 @@ pub struct Panel {
     pub picture: Canvas,
 }
 
-/// What stands on a sheet.
+/// A picture on a sheet.
 #[derive(Clone, Debug, Default)]
 pub struct Sheet {
     /// The heading.
@@ -34,7 +34,7 @@ pub struct Sheet {
     pub legend: Vec<(String, Rgb)>,
 }
 
-/// Puts pictures on a sheet of a width, pixels. Its height follows from what stands on it, and is even.
+/// Puts pictures on a sheet of a width, pixels. Its height follows from the pictures, and is even.
 ///
 /// # Errors
 /// It would be too large.

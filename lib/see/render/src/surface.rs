@@ -211,9 +211,9 @@ fn alike(words: &[u32], word: u32) -> usize {
 /// Reads surface points out of a [`VisibilityBuffer`], whichever renderer filled it.
 pub struct Surfaces<'a> {
     buffer: &'a VisibilityBuffer,
-    /// Number of the first of what stands behind panes.
+    /// Number of the first object behind panes.
     first_behind: u32,
-    /// By instance, and after them what stands behind panes; none for those whose mesh the snapshot does not
+    /// By instance, and after them objects behind panes; none for those whose mesh the snapshot does not
     /// hold.
     views: Vec<Option<View<'a>>>,
 }
@@ -258,7 +258,7 @@ impl<'a> Surfaces<'a> {
         instance >= self.first_behind
     }
 
-    /// A triangle of an instance (or of what stands behind panes, as [`Snapshot::behind`] numbers them) as
+    /// A triangle of an instance (or of objects behind panes, as [`Snapshot::behind`] numbers them) as
     /// the camera sees it; `None` where there is no such.
     #[must_use]
     pub fn facet(&self, instance: u32, triangle: u32) -> Option<SurfaceTriangle<'_, 'a>> {

@@ -60,7 +60,7 @@ fn sweep(scene: &dyn Scene, spec: &LidarSpec, weather: Weather) -> Result<LidarS
     Ok(Lidar::new(spec)?.sweep(scene, &moment, &Stream::new(27, 0, "sweeps", 0))?)
 }
 
-/// Forward is up. The ground is dark; what stands on it goes from blue to red by height; second and third
+/// Forward is up. The ground is dark; the objects on it go from blue to red by height; second and third
 /// returns are white, rain is cyan, fog magenta.
 fn draw(path: &Path, sweep: &LidarSweep, per_m: f32) -> Result<(), Box<dyn Error>> {
     let mut rgb = vec![0; 3 * SIDE * SIDE];

@@ -161,7 +161,7 @@ fn way_of([now, before]: [&Affine3A; 2], part: &Instance, position_part: Vec3) -
     } else {
         now.inverse().transform_point3(part.local_from_object.transform_point3(position_part))
     };
-    // The difference of the transforms first: it is exactly zero for what stands still.
+    // The difference of the transforms first: it is exactly zero for static objects.
     (now.matrix3 - before.matrix3) * place + Vec3::from(now.translation - before.translation)
 }
 

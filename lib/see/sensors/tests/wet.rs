@@ -1,4 +1,4 @@
-//! Wet ground mirrors what stands on it; nothing else of what cameras tell knows that it rained.
+//! Wet ground mirrors the objects on it; no other output of cameras depends on the rain.
 
 mod common;
 

@@ -43,7 +43,7 @@ pub struct CpuPainter<'a> {
 }
 
 impl<'a> CpuPainter<'a> {
-    /// A painter that keeps what lights see of what stands still; the renderer has the world's meshes. (The
+    /// A painter that keeps what lights see of static objects; the renderer has the world's meshes. (The
     /// default keeps nothing: its scenes may be of any world.)
     #[must_use]
     pub fn new(renderer: &'a dyn Renderer, world: &'a dyn StillWorld) -> Self {

@@ -1,4 +1,4 @@
-//! Which scene has which number: what stands keeps its number, what is wished for in addition follows it.
+//! Which scene has which number: existing scenes keep theirs, added ones follow.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -77,7 +77,7 @@ pub fn enrol(
     let mut missing: Vec<(Split, &str, u32)> = Vec::new();
     for (split, map, wanted) in wishes(settings) {
         let mut here = of.remove(&(split, map)).unwrap_or_default();
-        // What was made stays rather than what is only planned.
+        // A scene that was made is kept rather than one that is only planned.
         here.sort_by_key(|slot| (!is_made(slot.scene), slot.scene));
         let surplus = here.split_off(here.len().min(wanted as usize));
         missing.push((split, map, wanted - here.len() as u32));

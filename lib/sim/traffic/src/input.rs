@@ -98,7 +98,7 @@ impl FixedWorld for Vec<ActorRow> {
 /// What happened in a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimulationLog {
-    /// Agent vehicles, RSUs, background vehicles, walkers, what stands in hazards (fixed unless something hit
+    /// Agent vehicles, RSUs, background vehicles, walkers, obstacles of hazards (fixed unless something hit
     /// it); ids ascend from the first one.
     pub actors: Vec<ActorRow>,
     /// Moving actors at frames -1 to the last, by frame, then id.

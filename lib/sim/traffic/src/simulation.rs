@@ -125,7 +125,7 @@ struct Simulation<'a> {
     vehicle_ids: Vec<ObjectId>,
     walker_ids: Vec<ObjectId>,
     towed_ids: Vec<ObjectId>,
-    /// What stands in hazards.
+    /// The objects in hazards.
     standing: Obstacles,
     /// Tiles of the fixed world that somebody came near.
     tiles: BTreeSet<TileIndex>,
@@ -178,7 +178,7 @@ impl<'a> InitialActors<'a> {
         Ok(Self { starts, rsus, hazards, agents, walkers, ids })
     }
 
-    /// Rows of what stands in hazards.
+    /// Rows of the objects in hazards.
     fn hazard_actors(&self) -> Vec<ActorRow> {
         let things = self.ids.hazards.iter().zip(&self.hazards.things);
         things.map(|(id, thing)| thing.actor(*id)).collect()
@@ -202,7 +202,7 @@ impl<'a> Simulation<'a> {
         let mut log = SimulationLog { signal_groups: signals.groups(map), ..SimulationLog::default() };
         log_vehicles(&mut log, &initial.ids, &initial.starts, &initial.rsus);
 
-        // Bodies are made in this order: vehicles, what stands in hazards, walkers, what is parked.
+        // Bodies are made in this order: vehicles, the objects in hazards, walkers, parked vehicles.
         let middle = initial.agents.first().map_or([0.0; 3], |p| (*p).into());
         let mut bodies = Bodies::new(LocalOrigin::near(middle));
         let mut right_of_way = RightOfWay::new(net.lanes.len());
@@ -260,7 +260,7 @@ impl<'a> Simulation<'a> {
         Ok(simulation)
     }
 
-    /// Lets drivers know where what stands in hazards is now.
+    /// Lets drivers know where the obstacles of hazards are now.
     fn see_standing(&mut self) {
         let things = self.standing.things().map(|thing| (thing.footprint(), thing.class()));
         self.sweeps.set_things(things);

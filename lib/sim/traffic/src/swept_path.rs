@@ -123,7 +123,7 @@ pub(crate) struct SweptPaths {
     here: Vec<Footprint>,
     soon: Vec<Footprint>,
     soon_grid: Grid,
-    /// Points on the outlines of what stands in hazards, and what drivers take it for.
+    /// Points on the outlines of the obstacles of hazards, and what drivers take them for.
     things: Vec<(Point3<f64>, Class)>,
     thing_grid: Grid,
 }
@@ -143,7 +143,7 @@ impl SweptPaths {
         }
     }
 
-    /// Takes in what stands in hazards, until told anew: middle, yaw and size of each, and what drivers take
+    /// Takes in the objects in hazards, until told anew: middle, yaw and size of each, and what drivers take
     /// it for.
     pub(crate) fn set_things(&mut self, things: impl Iterator<Item = ((Point3<f64>, f64, [f64; 3]), Class)>) {
         self.things.clear();

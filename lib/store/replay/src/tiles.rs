@@ -42,7 +42,7 @@ pub struct KnownTile {
     pub index: TileIndex,
     /// Digest of its manifest.
     pub digest: String,
-    /// What stands in it.
+    /// The objects in it.
     pub objects: Vec<TileObjectRow>,
     /// The layers that its ground has.
     pub layers: BTreeSet<Layer>,

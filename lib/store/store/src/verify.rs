@@ -1,4 +1,4 @@
-//! Re-hashing a store, and naming what does not belong.
+//! Re-hashes a store, and names files that do not belong to it.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -400,7 +400,7 @@ impl SceneWorld {
     }
 
     /// The instances within `radius_m` (by bounding spheres) of a place: first what never moves, by id and
-    /// piece, then what moves, by id and piece.
+    /// piece, then moving objects, by id and piece.
     ///
     /// Rows of objects that are not among the scene's moving actors, or whose numbers are not finite, are
     /// passed over; moving actors without a state are absent.

@@ -250,7 +250,7 @@ impl<R: Read + Seek> NpzReader<R> {
     }
 }
 
-/// What stands before a member's elements.
+/// The header before a member's elements.
 struct Header {
     dtype: DType,
     shape: Vec<usize>,

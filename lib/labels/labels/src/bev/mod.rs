@@ -1,4 +1,4 @@
-//! Bird's-eye-view masks: what lies on the ground around an agent, and what stands on it.
+//! Bird's-eye-view masks: what lies on the ground around an agent, and the objects on it.
 //!
 //! [`BevRasterizer`] draws them by the rule `exact`, which follows; [`LaneRasterizer`] by the rule
 //! `simbev2x`.
@@ -23,7 +23,7 @@
 //! leads, the one nearest to the agent's height. Ways lead up to 60 m, at most 300 cells, beyond the mask. A
 //! marking is shown when it lies within 1.5 m of the shown layer, an object when it stands on it (0.5 m below
 //! to 1.5 m above it, at its own place), and its surfaces from 0.5 m below to 4.8 m above the layer at each
-//! cell. So each cell shows one deck alone, with what stands on it; another deck is drawn where ways lead to
+//! cell. So each cell shows one deck alone, with the objects on it; another deck is drawn where ways lead to
 //! it and it lies over no ground of the agent's own.
 
 mod error;

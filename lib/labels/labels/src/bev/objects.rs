@@ -1,4 +1,4 @@
-//! What stands on the ground: which cells it covers.
+//! The cells that objects on the ground cover.
 
 use std::collections::BTreeMap;
 

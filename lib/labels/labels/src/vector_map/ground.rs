@@ -1,4 +1,4 @@
-//! What lies on the ground or stands at a place: signals, crosswalks, stop lines, sidewalks, junctions.
+//! Elements on the ground or at a point: signals, crosswalks, stop lines, sidewalks, junctions.
 
 use nalgebra::Point3;
 use opendrive::{Area, LaneInfo, SignalInfo, StopLineSource};

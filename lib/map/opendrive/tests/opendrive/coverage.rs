@@ -145,7 +145,7 @@ fn what_is_on_the_page_is_in_the_file_or_is_not_understood() {
             assert_eq!(network.unknown_elements.keys().collect::<Vec<_>>(), [&name]);
         }
     }
-    // The other way about: but for what stands within elements that are kept whole.
+    // The other way round, except inside elements that are kept whole.
     let page = names_on_the_page();
     let whole = |name: &str| name == "userData" || page.get(name).is_some_and(|words| words.contains("kept"));
     let listed = |path: &&String| page.contains_key(&name_of(path)) || path.split('/').any(whole);

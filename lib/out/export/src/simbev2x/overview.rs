@@ -137,7 +137,7 @@ fn things(scene: &SceneReader) -> Result<Vec<MapActor>, ExportError> {
             Some(thing(actor, style, xyz_m, quaternion))
         })
         .collect();
-    // What moves lies over what stands.
+    // Moving objects are drawn over static ones.
     things.sort_by_key(|thing| match thing.style {
         ActorStyle::Plant | ActorStyle::Furniture | ActorStyle::Building => 0,
         ActorStyle::Agent | ActorStyle::Station => 2,

@@ -42,7 +42,7 @@ fn block(out: &mut String, value: &Value, level: usize) {
     }
 }
 
-/// What stands behind a key or a dash.
+/// The text behind a key or a dash.
 fn below(out: &mut String, value: &Value, level: usize) {
     let nested = match value {
         Value::Object(map) => !map.is_empty(),

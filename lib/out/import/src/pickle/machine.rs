@@ -114,7 +114,7 @@ impl Machine<'_> {
         Ok(id)
     }
 
-    /// What stands above the last mark, which goes.
+    /// The values above the last mark, which is removed.
     fn above_mark(&mut self) -> Result<Vec<Id>, PickleError> {
         let floor = self.marks.pop().ok_or_else(|| self.fault("there is no mark"))?;
         Ok(self.stack.split_off(floor))

@@ -25,10 +25,10 @@ const RAYS_PER_TASK: usize = 1024;
 #[derive(Debug)]
 pub(crate) struct CpuScene<'a> {
     snapshot: &'a Snapshot,
-    /// The instances, and after them what stands behind panes.
+    /// The instances, and after them objects behind panes.
     placed: Vec<Option<Placed<'a>>>,
     tree: Bvh,
-    /// Over what stands behind panes.
+    /// Over objects behind panes.
     cabins: Bvh,
     split: OnceLock<Split>,
 }
@@ -202,7 +202,7 @@ impl<'a> CpuScene<'a> {
         Self { snapshot, placed, tree, cabins, split: OnceLock::new() }
     }
 
-    /// The instances with their numbers, without what stands behind panes.
+    /// The instances with their numbers, without objects behind panes.
     fn instances<'s>(&'s self) -> impl Iterator<Item = (u32, &'s Option<Placed<'a>>)> {
         (0..).zip(&self.placed[..self.snapshot.instances.len()])
     }

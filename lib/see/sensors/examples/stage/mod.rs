@@ -18,12 +18,12 @@ use schema::geometry::{Instance, Snapshot, Surface, SurfaceMesh, TriMesh};
 use schema::tables::Weather;
 use settings::{CameraSettings, Optics};
 
-/// What stands on the plane.
+/// The objects on the plane.
 #[derive(Default)]
 pub(crate) struct Stage {
     meshes: Vec<Arc<TriMesh>>,
     instances: Vec<Instance>,
-    /// What stands behind panes.
+    /// Objects behind panes.
     cabins: Vec<Instance>,
 }
 

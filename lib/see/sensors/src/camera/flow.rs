@@ -16,7 +16,7 @@ use crate::error::SensorError;
 ///
 /// "Previous" is one frame period earlier, however seldom pictures are taken. The sky is infinitely far: it
 /// moves with the camera's rotation alone. Each component is limited to +-2, which a surface that was beside
-/// or behind the camera a frame ago exceeds, and rounded to a multiple of 2^-17. What stands still before a
+/// or behind the camera a frame ago exceeds, and rounded to a multiple of 2^-17. Static objects before a
 /// camera that stands still has flow 0 exactly.
 impl Image for Flow {
     type Row = FlowRow;

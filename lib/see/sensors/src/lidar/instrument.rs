@@ -195,7 +195,7 @@ impl Lidar {
     }
 
     /// Of each patch, what those rays met (by their numbers) that passed panes. All are followed at once:
-    /// between frames to place what moves costs more than the rays do.
+    /// between frames to place moving objects cost more than the rays do.
     fn behind(
         &self,
         panes: &Panes<'_>,

@@ -1,4 +1,4 @@
-//! Rolling scans against ranges worked out by hand: one column at a time, of what moves at one speed.
+//! Rolling scans against ranges worked out by hand: one column at a time, objects that move at one speed.
 
 use glam::{Affine3A, Vec3};
 use render::{Renderer, Scene};

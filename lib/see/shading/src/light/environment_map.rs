@@ -1,4 +1,4 @@
-//! What stands around a place, as glossy things near it mirror it.
+//! The surroundings of a place, as glossy things near it mirror them.
 //!
 //! Four coarse pictures to the sides of the world, from a little above the place. Whatever mirrors near by is
 //! shown what the place sees in that direction: distances are left out of account.
@@ -40,7 +40,7 @@ pub(crate) struct EnvironmentMap {
     texels: Vec<Texel>,
 }
 
-/// The light in which what stands around is seen.
+/// The light on the surroundings.
 #[derive(Clone, Copy)]
 pub(super) struct LitSurroundings<'a> {
     pub(super) sky: &'a Sky,

@@ -30,7 +30,7 @@ pub(crate) struct Exposure {
 }
 
 impl Exposure {
-    /// For things in the sky's light (the sun's on what stands upright included) and in that of lamps,
+    /// For things in the sky's light (the sun's on upright surfaces included) and in that of lamps,
     /// kilolux. A grey of 18 % in it comes out as middle grey; the dark stays a little darker than the day.
     pub(super) fn new(sky_klx: Vec3, lamps_klx: Vec3) -> Self {
         let illuminant = sky_klx + lamps_klx;

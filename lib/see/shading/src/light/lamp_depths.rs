@@ -1,4 +1,4 @@
-//! What stands in the way of a lamp's light: a map of what it sees.
+//! Shadows of lamps: depth maps seen from the lamp.
 
 use glam::{Affine3A, Mat3A, Vec3};
 use render::{PinholeCamera, RenderError, Scene, Stipple};

@@ -76,7 +76,7 @@ struct Lamp {
     /// their beam's shape is 1.
     rgb: Vec3,
     radius_m: f32,
-    /// What stands in the way of its light.
+    /// The obstacles that block its light.
     seen: Option<Arc<LampDepths>>,
 }
 
@@ -349,7 +349,7 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
     lamps
 }
 
-/// Finds what stands in the way of the light of the street lamps, of the floodlights, and of the headlights
+/// Finds what blocks the light of the street lamps, of the floodlights, and of the headlights
 /// of the vehicles, nearest to a place; those farther away shine through things.
 fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), RenderError> {
     let kinds = [

@@ -79,7 +79,7 @@ impl Size {
     }
 }
 
-/// Where a lens is. All that it sees of what stands still follows from this: not from the agent that it looks
+/// Where a lens is. All that it sees of static objects follows from this: not from the agent that it looks
 /// for, nor the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct LensKey {

@@ -69,7 +69,7 @@ impl Lighting {
         Self::over(scene, None, sky, &when, centre_local)
     }
 
-    /// The same where maps of what stands still may be kept.
+    /// The same where maps of static objects may be kept.
     pub(crate) fn over(
         scene: &dyn Scene,
         still: Option<&StillMaps<'_>>,

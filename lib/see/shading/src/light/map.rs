@@ -16,7 +16,7 @@ const COVER_M: f32 = 0.5;
 /// The last map's shadows fade over this share of its width.
 const FADING: f32 = 0.12;
 
-/// What a light sees of what stands still, through a whole lens.
+/// What a light sees of static objects, through a whole lens.
 #[derive(Clone, Debug)]
 pub(super) struct Still {
     side: usize,
@@ -46,7 +46,7 @@ pub(super) struct Map {
 }
 
 impl Map {
-    /// The map of a window of a lens, in the local frame of its camera: what stands still as `still` has it,
+    /// The map of a window of a lens, in the local frame of its camera: static objects as `still` has them,
     /// if there is such, and what else the light sees through the camera.
     pub(super) fn new(
         lens: &Lens,

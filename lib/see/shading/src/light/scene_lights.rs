@@ -14,7 +14,7 @@ use super::still::{StillMaps, StillWorld};
 const MOST_SKIES: usize = 48;
 
 /// Owns the light of one scene's frames: skies belong to a frame, shadow maps and lamps to a place at a
-/// frame, but maps of what stands still to a place and a direction of the light. Agents ask for what they
+/// frame, but maps of static objects to a place and a direction of the light. Agents ask for what they
 /// stand in.
 #[derive(Debug, Default)]
 pub(crate) struct SceneLights<'a> {
@@ -23,7 +23,7 @@ pub(crate) struct SceneLights<'a> {
 }
 
 impl<'a> SceneLights<'a> {
-    /// The lights of a scene of whose world it is known what stands still.
+    /// The lights of a scene of whose world the static objects are known.
     pub(crate) fn over(renderer: &'a dyn Renderer, world: &'a dyn StillWorld) -> Self {
         Self { still: Some(StillMaps::new(renderer, world)), skies: Mutex::default() }
     }

@@ -30,8 +30,8 @@ pub(crate) struct Caster {
     pub(crate) is_steady: bool,
 }
 
-/// Looks from the light (when there is one whose shadows are wanted) and from above at a place: at what
-/// moves, where there are maps of what stands still, at all things elsewhere.
+/// Looks from the light (when there is one whose shadows are wanted) and from above at a place: at
+/// moving objects where there are maps of static ones, at all objects elsewhere.
 ///
 /// # Errors
 /// The renderer failed.

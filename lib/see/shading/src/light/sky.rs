@@ -171,7 +171,7 @@ impl Sky {
         self.ambient = [(up + below) * 0.5, linear[0] * 0.5, linear[1] * 0.5, (up - below) * 0.5];
 
         self.horizontal_klx = luminance(up + from_sun);
-        // A low sun lights what stands upright.
+        // A low sun lights upright surfaces.
         self.around_klx = up + self.key_klx * self.key_direction.z.max(0.3);
     }
 

@@ -1,4 +1,4 @@
-//! Maps of what stands still, kept over frames and agents.
+//! Maps of static objects, kept over frames and agents.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -18,7 +18,7 @@ const MOST_WALLS: usize = 24;
 
 /// What never moves in a scene.
 pub trait StillWorld: Send + Sync {
-    /// What stands still within a distance of a place: as far as a scene's snapshots reach around an agent,
+    /// Static objects within a distance of a place: as far as a scene's snapshots reach around an agent,
     /// less `nearer_m`. The answer follows from the place alone.
     fn around(&self, centre_world_m: [f64; 3], nearer_m: f64) -> Snapshot;
 
@@ -32,7 +32,7 @@ impl std::fmt::Debug for StillMaps<'_> {
     }
 }
 
-/// Makes maps of what stands still, each once for all who stand in a lens's cell.
+/// Makes maps of static objects, one for all cameras in a lens's cell.
 pub(crate) struct StillMaps<'a> {
     renderer: &'a dyn Renderer,
     world: &'a dyn StillWorld,

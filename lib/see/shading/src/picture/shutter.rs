@@ -1,4 +1,4 @@
-//! What moves while the shutter is open is smeared along its way.
+//! Motion blur: objects that move while the shutter is open are smeared along their way.
 //!
 //! The filter gathers along the fastest motion near by, and takes from each place as much as its own motion
 //! lets it reach, the nearer before the farther (McGuire et al., "A reconstruction filter for plausible

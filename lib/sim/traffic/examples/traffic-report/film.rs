@@ -137,7 +137,7 @@ pub(crate) struct Film<'a> {
     pub(crate) map: &'a Map,
     pub(crate) vehicles: Vec<Body>,
     pub(crate) walkers: Vec<Body>,
-    /// What stands on the road in accidents and road works.
+    /// The objects on the road in accidents and road works.
     pub(crate) obstacles: Vec<Obstacle>,
     pub(crate) holds: Vec<Hold>,
     /// Ends of lanes that the map links to beginnings which lie elsewhere, with how far apart, metres.

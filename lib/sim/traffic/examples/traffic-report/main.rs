@@ -59,8 +59,8 @@ fn watch(plan: &Plan, dump: Option<&Path>) -> Report {
     }
 }
 
-/// One line for each state of each body: id, length, width, state, x, y, yaw, speed; of what stands in
-/// hazards one line.
+/// One line for each state of each body: id, length, width, state, x, y, yaw, speed; of the
+/// objects in hazards one line.
 fn write(film: &Film<'_>, path: &Path) -> std::io::Result<()> {
     let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
     let mut line = |id: u16, [length, width]: [f64; 2], i: usize, s: &Snap| {

@@ -75,7 +75,7 @@ fn queues(seed: u64) -> Vec<PlanAgentRow> {
     agents
 }
 
-/// What stands beside the roads around the agents, as in a dataset, and the lights that are farther off.
+/// The objects beside the roads around the agents, as in a dataset, and the lights that are farther off.
 fn scenery(map: &Map, seed: u64, agents: &[PlanAgentRow]) -> Vec<ActorRow> {
     let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
     let rules = SceneryRules { seed, ..SceneryRules::default() };
@@ -128,7 +128,7 @@ impl Plan {
         format!("{} {}", self.map, self.seed)
     }
 
-    /// The map, what stands on it, and what happens.
+    /// The map, the objects on it, and what happens.
     pub(crate) fn simulate(&self) -> (Map, Vec<ActorRow>, SimulationLog) {
         let map = load(&self.map).unwrap_or_else(|| crossing(true));
         let mut scene = scene(DURATION_S);

@@ -23,7 +23,7 @@ pub(crate) struct Touching {
     pub(crate) unruly: usize,
     /// Ordinary vehicles, not crashed before, and walkers.
     pub(crate) vehicle_walker: Vec<(usize, u16, u16)>,
-    /// Ordinary vehicles, not crashed before, and what stands in hazards, people too.
+    /// Ordinary vehicles, not crashed before, and the objects in hazards, people too.
     pub(crate) hazards: Vec<(usize, u16, u16)>,
     /// Walkers and other walkers.
     pub(crate) walker_walker: usize,

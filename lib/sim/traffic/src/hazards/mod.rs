@@ -1,4 +1,4 @@
-//! Accidents and road works: what stands in a planned hazard for the whole scene.
+//! Accidents and road works: the objects in a planned hazard for the whole scene.
 //!
 //! A hazard whose vehicles do not fit (an agent starts there, or another hazard lies there) is left out
 //! whole; of the other things only those that would touch something are.
@@ -22,7 +22,7 @@ use self::stretch::Stretch;
 use crate::input::SceneInput;
 use crate::scene::free_space::Taken;
 
-/// What stands in the hazards of a scene.
+/// The objects in the hazards of a scene.
 #[derive(Debug, Default)]
 pub(crate) struct Hazards {
     pub(crate) things: Vec<Obstacle>,

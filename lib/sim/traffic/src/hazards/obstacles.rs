@@ -1,4 +1,4 @@
-//! What stands in the hazards of a scene, and where it comes to lie when something hits it.
+//! The obstacles of a scene's hazards, and where they come to lie when something hits them.
 
 use frames::{Object, Pose, World};
 use schema::ObjectId;

@@ -20,7 +20,7 @@ const LEAST_WIDTH_M: f64 = 1.0;
 const LANES: usize = 11;
 /// Places that are tried where something else stands.
 const TRIES: usize = 4;
-/// Free space between a sign and what stands there, metres.
+/// Free space between a sign and the objects there, metres.
 const CLEAR_M: f64 = 0.2;
 /// From the kerb to the middle of a sign on a sidewalk, metres: walkers get by.
 const KERB_M: f64 = 0.55;

@@ -62,7 +62,7 @@ pub(crate) struct Start {
     pub(crate) towed: Option<TowedStart>,
 }
 
-/// All vehicles of a scene, agents in order, then background vehicles, and what stands in its hazards.
+/// All vehicles of a scene, agents in order, then background vehicles, and the objects in its hazards.
 pub(crate) fn vehicle_starts(
     input: &SceneInput<'_>,
     fixed: &[ActorRow],

@@ -1,4 +1,4 @@
-//! How walkers keep out of one another's way and off what stands there: each looks at those around and picks
+//! How walkers keep out of one another's way and off the objects there: each looks at those around and picks
 //! a velocity; whatever it picks, nobody takes a step into somebody or something.
 //!
 //! Walkers are discs about their boxes. A velocity costs what it is slower than wished and off the wished

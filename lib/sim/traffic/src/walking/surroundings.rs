@@ -17,7 +17,7 @@ const JUST_RED_S: f64 = 2.0;
 /// Vehicles are looked for this far upstream, metres.
 const LOOK_M: f64 = 60.0;
 
-/// Where walkers walk, what stands there and what goes on there.
+/// Where walkers walk, the objects there and what goes on there.
 pub(crate) struct Surroundings<'a> {
     pub(crate) paths: &'a Paths,
     pub(crate) routes: &'a Routes,

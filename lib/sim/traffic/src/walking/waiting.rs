@@ -44,7 +44,7 @@ pub(crate) struct WaitingPlaces {
 }
 
 impl WaitingPlaces {
-    /// Those that a map has, and what stands beside its roads.
+    /// Those that a map has, and the objects beside its roads.
     pub(crate) fn new(paths: &Paths, fixed: &[ActorRow]) -> Self {
         let mut places: Vec<WaitingPlace> = Vec::new();
         for crossing in &paths.crossings {

@@ -187,7 +187,7 @@ fn a_train_is_the_one_that_it_would_be_without_others() {
     assert!(towed(&without).is_empty() && without.actors.iter().all(|a| a.parent.is_none()));
 }
 
-/// What stands beside the roads around agents, as in a dataset, and the lights that are farther off.
+/// The objects beside the roads around agents, as in a dataset, and the lights that are farther off.
 fn scenery(map: &Map, agents: &[schema::tables::PlanAgentRow]) -> Vec<ActorRow> {
     let centres: Vec<[f64; 3]> = agents.iter().map(|a| a.xyz_m).collect();
     let rules = SceneryRules { seed: 1, ..SceneryRules::default() };
@@ -300,7 +300,7 @@ fn trains_touch_nobody_and_nothing_in_towns() {
     assert!(met.values().sum::<usize>() >= 20 && met.len() >= 4, "{met:?}");
 }
 
-/// The traffic lights of what stands beside the roads.
+/// The traffic lights of the objects beside the roads.
 fn shown(fixed: &[ActorRow]) -> Vec<ActorRow> {
     fixed.iter().filter(|a| a.kind == ActorKind::TrafficLight).cloned().collect()
 }

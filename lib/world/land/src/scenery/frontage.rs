@@ -5,7 +5,7 @@ use opendrive::{LaneType, Map};
 
 use crate::surfaces::{Ground, Section, Strip};
 
-/// What drives along one side of a road.
+/// The traffic along one side of a road.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Traffic {
     /// Lanes of the side: the most that it has anywhere.

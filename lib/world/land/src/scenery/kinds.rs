@@ -17,7 +17,7 @@ const fn kind(model: &'static str, width_m: [f64; 2], depth_m: [f64; 2], storeys
     BuildingKind { model, width_m, depth_m, storeys }
 }
 
-/// Kinds of buildings. None has a diagonal of more than 42 m: what stands around them depends on that
+/// Kinds of buildings. None has a diagonal of more than 42 m: what is placed around them depends on that
 /// (`site::reach_m`).
 pub const BUILDINGS: [BuildingKind; 5] = [
     kind("building.block", [14.0, 28.0], [11.0, 16.0], [3, 7]),

@@ -29,7 +29,7 @@ pub(crate) fn cells(rect: &OrientedRect) -> impl Iterator<Item = (i32, i32)> + u
     (x0..=x1).flat_map(move |x| (y0..=y1).map(move |y| (x, y)))
 }
 
-/// The land of a region with what stands on it so far.
+/// The land of a region with the objects on it so far.
 #[derive(Clone)]
 pub(crate) struct Land<'a> {
     ground: &'a GroundLevels,

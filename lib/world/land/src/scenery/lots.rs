@@ -50,7 +50,7 @@ pub(crate) struct House<'a> {
     floors: f64,
     setback_m: f64,
     variant: u32,
-    /// Decides what stands before it.
+    /// Decides what is in front of it.
     fence: f64,
 }
 

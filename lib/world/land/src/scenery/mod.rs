@@ -1,10 +1,10 @@
-//! What stands beside the roads, placed by rule and seed, never on a lane: buildings, trees, street lamps,
+//! The objects beside the roads, placed by rule and seed, never on a lane: buildings, trees, street lamps,
 //! lights and signs (those of the map and more), parked vehicles, racks with bicycles, benches. `place` gives
 //! the objects of one area; it knows sizes but no meshes: a changed mesh leaves the simulation alone.
 //!
-//! What stands somewhere does not depend on where one began to look. Candidates are drawn along each side of
-//! each road from its start, the same for every tile that draws them; kind by kind (parked vehicles,
-//! buildings, lamps, fences, trees, bushes, furniture, racks, signs) each keeps off what stands already, and
+//! An object's presence does not depend on the area that was asked for. Candidates are drawn along each side
+//! of each road from its start, the same for every tile that draws them; kind by kind (parked vehicles,
+//! buildings, lamps, fences, trees, bushes, furniture, racks, signs) each keeps off existing objects, and
 //! among those of its kind it stands if no candidate of a higher rank is in its way. So everything depends on
 //! a bounded piece of land, and an area is made from that much around it.
 //!
@@ -53,7 +53,7 @@ use islands::Islands;
 use land::Land;
 use site::Site;
 
-/// What stands in an area: traffic lights and signs of the map, parked vehicles, buildings, street lamps,
+/// The objects in an area: traffic lights and signs of the map, parked vehicles, buildings, street lamps,
 /// fences, trees, street furniture, racks with bicycles and the signs that roads have besides, in this order.
 /// It follows from the map, the rules, the models that may be parked and the area alone; areas side by side
 /// have each thing once, as it would be if they were one.

@@ -18,11 +18,11 @@ pub(crate) struct Site<'a> {
     pub(crate) ground: &'a AreaGround<'a>,
 }
 
-/// How far around the area candidates of each kind are looked at, metres. What stands in the area must be the
-/// same whoever looks, so every kind is known as far out as it decides about what stands there: its own
-/// candidates keep one another away ([`crate::scenery::claims`]), and the later kinds keep off the earlier
-/// ones. From the last kind to the first, each distance is the next one's, and how far the two kinds' ground
-/// can be apart and still meet.
+/// How far around the area candidates of each kind are looked at, metres. The objects in the area must be the
+/// same for every area that contains them, so every kind is known as far out as it decides about the objects
+/// there: its own candidates keep one another away ([`crate::scenery::claims`]), and the later kinds keep off
+/// the earlier ones. From the last kind to the first, each distance is the next one's, and how far the two
+/// kinds' ground can be apart and still meet.
 pub(crate) mod reach_m {
     /// Signs: half diagonals of 0.5.
     pub(crate) const SIGNS: f64 = 1.0;

@@ -15,14 +15,14 @@ use crate::tiles::number::{TooManyObjects, number, reached};
 pub struct Tile {
     /// The triangles of its ground.
     pub surfaces: Vec<SurfaceMesh>,
-    /// What stands in it.
+    /// The objects in it.
     pub objects: Vec<TileObjectRow>,
 }
 
 /// The static world around some places, without a store.
 #[derive(Clone, Debug)]
 pub struct Surroundings {
-    /// What stands there, and the surfaces, with ids.
+    /// The objects there, and the surfaces, with ids.
     pub actors: Vec<ActorRow>,
     /// The triangles of the ground.
     pub ground: Vec<SurfaceMesh>,

@@ -16,7 +16,7 @@ pub fn reached(places: impl IntoIterator<Item = [f64; 3]>, reach_m: f64) -> BTre
 /// The static objects of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Numbered {
-    /// Their rows: a surface for each layer, then what stands in each tile; ids ascend without gaps.
+    /// Their rows: a surface for each layer, then the objects in each tile; ids ascend without gaps.
     pub actors: Vec<ActorRow>,
     /// Id of the first object of each tile; where a tile has none, that of the next tile's first.
     pub first_ids: Vec<ObjectId>,
@@ -37,8 +37,8 @@ pub struct TooManyObjects {
     pub first_id: usize,
 }
 
-/// Numbers the static world of a scene from `first_id` on: one object for each of the layers, then what
-/// stands in each of the tiles, in the order in which they are given.
+/// Numbers the static world of a scene from `first_id` on: one object for each of the layers, then the
+/// objects in each of the tiles, in the order in which they are given.
 ///
 /// Rows of kind `surface` lie in the middle of the tiles; their length and width are the extent of these.
 ///

@@ -169,7 +169,7 @@ mod tests {
                 );
                 let roof = mean(pieces, |at, normal| at.z > 0.9 * height && normal.z > 0.9);
                 let under = mean(pieces, |at, normal| at.z < 0.35 * height && normal.z < -0.9);
-                // What stands on roofs shades a part of them.
+                // Things on roofs shade a part of them.
                 assert!(roof > 0.8, "{name}: {roof}");
                 assert!(under < 0.5, "{name}: {under}");
             }

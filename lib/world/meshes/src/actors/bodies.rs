@@ -27,7 +27,7 @@ pub(crate) fn body(figure: &Figure, tag: Tag, detail: Detail) -> impl Iterator<I
     meshes.map(|(bone, mesh)| Piece { mesh: Arc::new(mesh), joint: Joint::Bone(bone) })
 }
 
-/// What stands for somebody far away; what they sit on is there at every distance.
+/// The coarse figure of a person far away; the machine they sit on is drawn at every distance.
 pub(crate) fn coarser(figure: &Figure, tag: Tag, seat: &[Piece]) -> Vec<Coarser> {
     let level = |(from_m, detail)| {
         let pieces = seat.iter().cloned().chain(body(figure, tag, detail)).collect();

@@ -109,7 +109,7 @@ impl Cabin {
 pub struct ActorMesh {
     /// The pieces close by, the body first.
     pub pieces: Vec<Piece>,
-    /// What stands for them farther away, the nearest first.
+    /// Their coarser levels of detail, the nearest first.
     pub coarser: Vec<Coarser>,
     /// Where its bones are in a posture, if it has bones.
     pub rig: Option<Arc<Rig>>,

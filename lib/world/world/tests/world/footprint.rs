@@ -1,4 +1,4 @@
-//! What stands in the way of walkers, as its rows say it, is what is drawn.
+//! The footprints that block walkers are those of the meshes.
 #![allow(clippy::unwrap_used, reason = "tests may stop")]
 
 use std::collections::BTreeMap;
@@ -67,7 +67,7 @@ fn footprints_hold_what_is_drawn_at_walking_height_and_little_more() {
                 }
             }
         }
-        // Trunks bend, and what stands on a slope leans.
+        // Trunks bend, and objects on a slope lean.
         let up = pose.rotate(nalgebra::Vector3::z());
         let leans = (up.x * up.x + up.y * up.y).sqrt() * actor.height_m.min(WALKING_HEIGHT_M);
         let spare = leans + if actor.model.starts_with("tree") { 0.12 } else { 0.02 };

@@ -326,7 +326,7 @@ fn the_motion_of_a_walker_is_that_of_its_limbs() {
                 slowest = if now.z < 1e-3 { slowest.min(moved) } else { slowest };
             }
         }
-        // What stands on the ground stands still, and somewhere a limb is faster than the body.
+        // Objects on the ground do not move, and somewhere a limb is faster than the body.
         assert!(slowest < 0.004, "step {k}: {slowest}");
         assert!((0.9 * step_m as f32..5.0 * step_m as f32).contains(&fastest), "step {k}: {fastest}");
     }

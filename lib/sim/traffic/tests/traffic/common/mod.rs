@@ -424,7 +424,7 @@ pub(crate) fn parked(xyz_m: [f64; 3], yaw_rad: f64, [length_m, width_m, height_m
     }
 }
 
-/// A scene with what stands beside the road.
+/// A scene with the objects beside the road.
 pub(crate) fn run_beside(
     map: &Map,
     scene: &PlanSceneRow,

@@ -1,4 +1,4 @@
-//! What stands behind the panes of cars, vans, lorries and buses.
+//! Cabins: what is seen through the panes of cars, vans, lorries and buses.
 
 mod driver;
 mod lining;

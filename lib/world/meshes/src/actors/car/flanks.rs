@@ -100,7 +100,7 @@ impl Car<'_> {
         }
     }
 
-    /// What stands on the roof, and the third brake lamp.
+    /// Beacons and signs on the roof, and the third brake lamp.
     pub(super) fn on_the_roof(&self, b: &mut MeshBuilder, detail: Detail) {
         let (hull, looks) = (self.hull, &self.looks);
         let style = &hull.style;
