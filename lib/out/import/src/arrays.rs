@@ -13,7 +13,7 @@ use schema::{BevClass, Tag};
 use store::{StoreError, Unit, keys};
 
 use crate::cast::BATCH;
-use crate::error::ImportError;
+use crate::error::{ImportError, SourceFault};
 use crate::names::{FILLED_VOXELS, MASKS, VOXELS};
 use crate::readings::DATA;
 use crate::work::Work;
@@ -51,19 +51,21 @@ impl Arrays<'_> {
 }
 
 /// The shape of the masks of a file: `[14, n, n]`.
-pub(crate) fn mask_shape(path: &Path) -> Result<Vec<usize>, String> {
-    let packed = open(path, u64::MAX)?.read_packed(DATA).map_err(|e| e.to_string())?;
+pub(crate) fn mask_shape(path: &Path) -> Result<Vec<usize>, SourceFault> {
+    let packed = open(path, u64::MAX)?.read_packed(DATA)?;
     match packed.shape.as_slice() {
         &[BevClass::COUNT, rows, columns] if rows == columns && (1..=MAX_MASK_SIDE).contains(&rows) => {
             Ok(packed.shape)
         }
-        shape => Err(format!("{DATA}: is {shape:?}, expected {} masks of n x n cells", BevClass::COUNT)),
+        shape => {
+            Err(format!("{DATA}: is {shape:?}, expected {} masks of n x n cells", BevClass::COUNT).into())
+        }
     }
 }
 
-fn open(path: &Path, most: u64) -> Result<NpzReader<File>, String> {
-    let file = File::open(path).map_err(|e| e.to_string())?;
-    Ok(NpzReader::new(file).map_err(|e| e.to_string())?.with_max_bytes(most))
+fn open(path: &Path, most: u64) -> Result<NpzReader<File>, SourceFault> {
+    let file = File::open(path)?;
+    Ok(NpzReader::new(file)?.with_max_bytes(most))
 }
 
 /// Writes the archive of an agent's arrays into a unit.
@@ -112,26 +114,27 @@ fn read_frame(
     let said = records[frame as usize].files.get(arrays.key).map(String::as_str).unwrap_or_default();
     let path = work.order.folder.find(said).map_err(place)?;
     let made = packed(&path, arrays).and_then(|(member, cells)| {
-        let member = member.renamed(&frame_member(frame)).map_err(|e| e.to_string())?;
+        let member = member.renamed(&frame_member(frame))?;
         Ok((member, cells))
     });
     made.map_err(|problem| place(ImportError::source(&path, problem)))
 }
 
 /// The array of a file as it lies there, once it has been read whole and all its values are such as can be.
-fn packed(path: &Path, arrays: &Arrays<'_>) -> Result<(EncodedMember, Vec<u64>), String> {
+fn packed(path: &Path, arrays: &Arrays<'_>) -> Result<(EncodedMember, Vec<u64>), SourceFault> {
     let bytes: usize = arrays.shape.iter().product();
     // Its header takes a few hundred bytes more.
     let mut reader = open(path, bytes as u64 + (1 << 16))?;
-    let packed = reader.read_packed(DATA).map_err(|e| e.to_string())?;
+    let packed = reader.read_packed(DATA)?;
     let wanted = DType::Scalar(arrays.scalar());
     if packed.dtype != wanted || packed.shape != arrays.shape {
         return Err(format!(
             "{DATA}: is {:?} of {:?}, expected {:?} of {wanted:?}",
             packed.shape, packed.dtype, arrays.shape
-        ));
+        )
+        .into());
     }
-    let array = reader.read(DATA).map_err(|e| e.to_string())?;
+    let array = reader.read(DATA)?;
     let cells = if arrays.key == MASKS {
         mask_cells(&array.bytes, arrays.shape[1])?
     } else {
@@ -141,9 +144,9 @@ fn packed(path: &Path, arrays: &Arrays<'_>) -> Result<(EncodedMember, Vec<u64>),
 }
 
 /// True cells of each channel, block by block, of masks with `side` rows and columns.
-fn mask_cells(bytes: &[u8], side: usize) -> Result<Vec<u64>, String> {
+fn mask_cells(bytes: &[u8], side: usize) -> Result<Vec<u64>, SourceFault> {
     if let Some(at) = bytes.iter().position(|&b| b > 1) {
-        return Err(format!("{DATA}: value {at} is neither true nor false"));
+        return Err(format!("{DATA}: value {at} is neither true nor false").into());
     }
     let blocks = heat_blocks(side) * heat_blocks(side);
     let mut counts = vec![0; BevClass::COUNT * blocks];
@@ -155,13 +158,13 @@ fn mask_cells(bytes: &[u8], side: usize) -> Result<Vec<u64>, String> {
 }
 
 /// Cells of each tag.
-fn voxel_cells(bytes: &[u8]) -> Result<Vec<u64>, String> {
+fn voxel_cells(bytes: &[u8]) -> Result<Vec<u64>, SourceFault> {
     let mut counts = [0_u64; 256];
     bytes.iter().for_each(|&b| counts[usize::from(b)] += 1);
     let known = Tag::ALL.len();
     match counts[known..].iter().position(|&n| n > 0) {
-        Some(tag) => Err(format!("{DATA}: holds the tag {}", known + tag)),
-        None => Ok(counts[..known].to_vec()),
+        Some(tag) => Err(format!("{DATA}: holds the tag {}", known + tag).into()),
+        None => Ok(counts[..known].to_vec().into()),
     }
 }
 
@@ -215,7 +218,7 @@ mod tests {
         let (member, cells) = packed(good.path(), &grid(&[2, 2, 1])).expect("a grid");
         assert_eq!((member.name(), cells[0], cells[1], cells[14]), (DATA, 1, 1, 2));
         let problem = |file: &tempfile::NamedTempFile, shape: &[usize]| {
-            packed(file.path(), &grid(shape)).expect_err("refused")
+            packed(file.path(), &grid(shape)).expect_err("refused").to_string()
         };
         assert!(problem(&good, &[2, 1, 1]).contains("expected [2, 1, 1]"));
         assert!(problem(&file(Scalar::U8, &[1, 1, 1], &[32]), &[1, 1, 1]).contains("holds the tag 32"));
@@ -232,8 +235,10 @@ mod tests {
         let blocks = mask_cells(&cells, 2).expect("masks");
         assert_eq!((blocks.len(), &blocks[..6]), (14 * 4, &[1, 0, 0, 0, 0, 1][..]));
         cells[9] = 2;
-        assert_eq!(mask_cells(&cells, 2), Err("data.npy: value 9 is neither true nor false".into()));
-        assert_eq!(mask_shape(file(Scalar::Bool, &[14, 2, 2], &[0; 56]).path()), Ok(vec![14, 2, 2]));
+        let fault = mask_cells(&cells, 2).expect_err("refused").to_string();
+        assert_eq!(fault, "data.npy: value 9 is neither true nor false");
+        let good = file(Scalar::Bool, &[14, 2, 2], &[0; 56]);
+        assert_eq!(mask_shape(good.path()).expect("masks"), [14, 2, 2]);
         assert!(mask_shape(file(Scalar::Bool, &[13, 2, 2], &[0; 52]).path()).is_err());
     }
 }

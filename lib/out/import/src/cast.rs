@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use schema::tables::ActorRow;
 use schema::{ActorKind, ActorRole, AgentId, AgentKind, Attributes, DetectionClass};
 
-use crate::error::ImportError;
+use crate::error::{ImportError, SourceFault};
 use crate::folder::Folder;
 use crate::infos::Scene;
 use crate::names::BOXES;
@@ -43,9 +43,9 @@ pub(crate) fn read_boxes(
     }
     let (path, bytes) = folder.read(said, MAX_BOX_BYTES).map_err(place)?;
     let value = if said.ends_with(".json") {
-        json::parse(&bytes).map_err(|e| e.to_string())
+        json::parse(&bytes).map_err(SourceFault::from)
     } else {
-        npy::parse(&bytes).map_err(|e| e.to_string())
+        npy::parse(&bytes).map_err(SourceFault::from)
     };
     let boxes = value.and_then(|value| record::boxes(&value, is_processed));
     boxes.map_err(|problem| place(ImportError::source(&path, problem)))

@@ -8,6 +8,7 @@ use schema::scene_info::{AgentInfo, SceneInfo};
 use schema::tables::{FrameRow, Weather};
 
 use crate::cast::SceneObjects;
+use crate::error::SourceFault;
 use crate::infos::{Entry, Scene};
 use crate::value::Value;
 
@@ -20,7 +21,7 @@ pub(crate) fn scene_info(
     entry: &Entry,
     scene: &Scene,
     cast: Option<&SceneObjects>,
-) -> Result<SceneInfo, String> {
+) -> Result<SceneInfo, SourceFault> {
     let info = &scene.info;
     let count = |key: &str| info.get(key).and_then(Value::whole::<u32>).unwrap_or(0);
     let number = |of: &Value, key: &str| of.get(key).and_then(Value::number).filter(|v| v.is_finite());
@@ -68,7 +69,7 @@ pub(crate) fn scene_info(
 }
 
 /// The weather; parameters that the layout has not are as on a clear noon.
-fn weather(info: &Value, key: &str) -> Result<Weather, String> {
+fn weather(info: &Value, key: &str) -> Result<Weather, SourceFault> {
     let said = info.get(key).ok_or_else(|| format!("scene_info: has no `{key}`"))?;
     let mut values = Weather::default().to_array();
     for (name, own) in Weather::PUBLISHED_NAMES {

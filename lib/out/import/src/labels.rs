@@ -16,7 +16,7 @@ use schema::{AgentId, FRAME_PERIOD_S};
 use store::{Scope, TableOptions, TableWriter, Unit, keys};
 
 use crate::cast::{BATCH, SceneObjects, read_boxes};
-use crate::error::ImportError;
+use crate::error::{ImportError, SourceFault};
 use crate::names::LANES;
 use crate::record::Labelled;
 use crate::work::Work;
@@ -76,15 +76,15 @@ fn key<R: Row>(work: &Work<'_>) -> String {
 /// What is said once of a scene.
 fn write_facts(work: &Work<'_>, unit: &mut Unit<'_>) -> Result<(), ImportError> {
     let number = work.order.entry.number;
-    let wrong = |problem: String| ImportError::source(work.order.entry.path(), problem);
+    let wrong = |problem: SourceFault| ImportError::source(work.order.entry.path(), problem);
     let info = facts::scene_info(work.order.entry, work.scene, Some(work.cast)).map_err(wrong)?;
     unit.rows::<ActorRow>(&key::<ActorRow>(work), &work.cast.actors(work.scene))?;
     unit.rows::<FrameRow>(&key::<FrameRow>(work), &facts::frame_rows(&info))?;
     // Lamps and windows are not told.
     unit.rows::<LampRow>(&key::<LampRow>(work), &[])?;
-    let mut said = serde_json::to_value(&info).map_err(|e| wrong(e.to_string()))?;
+    let mut said = serde_json::to_value(&info).map_err(|e| wrong(SourceFault::Content(e.to_string())))?;
     said["imported"] = true.into();
-    let text = serde_json::to_vec_pretty(&said).map_err(|e| wrong(e.to_string()))?;
+    let text = serde_json::to_vec_pretty(&said).map_err(|e| wrong(SourceFault::Content(e.to_string())))?;
     unit.bytes(&keys::scene(number, SCENE_FILE), &text, 1)?;
     let mut counts = PartialCounts::new();
     for (agent, records) in &work.scene.agents {
@@ -103,7 +103,7 @@ fn read_frame(work: &Work<'_>, frame: u32) -> Result<FrameLabels, ImportError> {
         let Some(said) = record.files.get(LANES) else { continue };
         let place = |e: ImportError| e.within(format!("{agent} frame {frame}"));
         let (path, bytes) = work.order.folder.read(said, MAX_LANE_BYTES).map_err(place)?;
-        let value = json::parse(&bytes).map_err(|e| e.to_string());
+        let value = json::parse(&bytes).map_err(SourceFault::from);
         let row = value.and_then(|value| lanes::row(&value, (frame, &agent.to_string()), record.xyz_m));
         found.lanes.push(row.map_err(|problem| place(ImportError::source(&path, problem)))?);
     }

@@ -4,6 +4,7 @@ use frames::{Pose, World, deg};
 use nalgebra::Point3;
 use schema::tables::HdMapRow;
 
+use crate::error::SourceFault;
 use crate::value::Value;
 
 /// A row of `hd_map` of a record of the layout.
@@ -14,7 +15,7 @@ pub(crate) fn row(
     record: &Value,
     (frame, agent): (u32, &str),
     agent_xyz_m: [f64; 3],
-) -> Result<HdMapRow, String> {
+) -> Result<HdMapRow, SourceFault> {
     let wrong = |key: &str| format!("has no such `{key}` as a store can hold");
     let number = |of: &Value, key: &str| {
         of.get(key).and_then(Value::number).filter(|v| v.is_finite()).ok_or_else(|| wrong(key))

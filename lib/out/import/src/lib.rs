@@ -30,7 +30,7 @@ mod survey;
 mod value;
 mod work;
 
-pub use error::ImportError;
+pub use error::{ImportError, SourceFault};
 pub use folder::Folder;
 pub use infos::{Entry, Index, IndexError, Infos, Record, Scene, scan};
 pub use rig::Rigs;

@@ -10,7 +10,7 @@ use schema::tables::{CameraRow, FlowRow, GnssRow, ImuRow, LidarRow, RadarRow, Se
 use schema::{FRAME_PERIOD_S, ImageKind, SensorKind, Tag};
 
 use crate::cast::SceneObjects;
-use crate::error::ImportError;
+use crate::error::{ImportError, SourceFault};
 use crate::folder::{Folder, read_file};
 use crate::npy;
 use crate::pictures::LIMITS;
@@ -64,7 +64,7 @@ pub(crate) fn read(
             let bytes = read_file(&path, MAX_PICTURE)?;
             let size =
                 if image == ImageKind::Rgb { jpeg_size(&bytes, LIMITS) } else { png_size(&bytes, LIMITS) };
-            size.map_err(|e| e.to_string()).map(|[width, height]| {
+            size.map_err(SourceFault::from).map(|[width, height]| {
                 let row = CameraRow { frame, time_s: time_s(frame), image: Blob(bytes) };
                 Reading::Image(row, (width, height))
             })
@@ -93,17 +93,19 @@ fn time_s(frame: u32) -> f64 {
 }
 
 /// The array of an archive of at most so many bytes.
-pub(crate) fn archive(path: &Path, most: u64) -> Result<Array, String> {
-    let file = File::open(path).map_err(|e| e.to_string())?;
-    let mut reader = NpzReader::new(file).map_err(|e| e.to_string())?.with_max_bytes(most);
-    reader.read(DATA).map_err(|e| e.to_string())
+pub(crate) fn archive(path: &Path, most: u64) -> Result<Array, SourceFault> {
+    let file = File::open(path)?;
+    let mut reader = NpzReader::new(file)?.with_max_bytes(most);
+    Ok(reader.read(DATA)?)
 }
 
 /// Columns of an `[n, N]` array of `f4`, all of them numbers.
-fn columns<const N: usize>(array: &Array) -> Result<[Vec<f32>; N], String> {
+fn columns<const N: usize>(array: &Array) -> Result<[Vec<f32>; N], SourceFault> {
     let is_right = array.dtype == Scalar::F32.into() && matches!(array.shape.as_slice(), [_, n] if *n == N);
     if !is_right {
-        return Err(format!("{DATA}: is {:?} of {:?}, expected n x {N} of f4", array.shape, array.dtype));
+        return Err(
+            format!("{DATA}: is {:?} of {:?}, expected n x {N} of f4", array.shape, array.dtype).into()
+        );
     }
     let rows = array.bytes.len() / (4 * N);
     let mut found: [Vec<f32>; N] = std::array::from_fn(|_| Vec::with_capacity(rows));
@@ -113,12 +115,12 @@ fn columns<const N: usize>(array: &Array) -> Result<[Vec<f32>; N], String> {
     Ok(found)
 }
 
-fn real(bytes: &[u8], row: usize) -> Result<f32, String> {
+fn real(bytes: &[u8], row: usize) -> Result<f32, SourceFault> {
     let value = f32::from_le_bytes(std::array::from_fn(|i| bytes[i]));
-    if value.is_finite() { Ok(value) } else { Err(format!("{DATA}: row {row} holds {value}")) }
+    if value.is_finite() { Ok(value) } else { Err(format!("{DATA}: row {row} holds {value}").into()) }
 }
 
-fn lidar(array: &Array, frame: u32) -> Result<LidarRow, String> {
+fn lidar(array: &Array, frame: u32) -> Result<LidarRow, SourceFault> {
     let [x, y, z] = columns::<3>(array)?;
     let n = x.len();
     Ok(LidarRow {
@@ -136,7 +138,7 @@ fn lidar(array: &Array, frame: u32) -> Result<LidarRow, String> {
     })
 }
 
-fn semantic(array: &Array, frame: u32, cast: &SceneObjects) -> Result<SemanticLidarRow, String> {
+fn semantic(array: &Array, frame: u32, cast: &SceneObjects) -> Result<SemanticLidarRow, SourceFault> {
     let fields = [
         ("x", Scalar::F32),
         ("y", Scalar::F32),
@@ -150,7 +152,8 @@ fn semantic(array: &Array, frame: u32, cast: &SceneObjects) -> Result<SemanticLi
         return Err(format!(
             "{DATA}: is {:?} of {:?}, expected n records of a semantic lidar",
             array.shape, array.dtype
-        ));
+        )
+        .into());
     }
     let n = array.shape[0];
     let mut row = SemanticLidarRow { frame, time_s: time_s(frame), ..SemanticLidarRow::default() };
@@ -171,7 +174,7 @@ fn semantic(array: &Array, frame: u32, cast: &SceneObjects) -> Result<SemanticLi
     Ok(row)
 }
 
-fn radar(array: &Array, frame: u32) -> Result<RadarRow, String> {
+fn radar(array: &Array, frame: u32) -> Result<RadarRow, SourceFault> {
     let [depth, altitude, azimuth, velocity] = columns::<4>(array)?;
     let n = depth.len();
     Ok(RadarRow {
@@ -188,12 +191,12 @@ fn radar(array: &Array, frame: u32) -> Result<RadarRow, String> {
     })
 }
 
-fn flow(array: &Array, frame: u32) -> Result<FlowRow, String> {
+fn flow(array: &Array, frame: u32) -> Result<FlowRow, SourceFault> {
     let &[height, width, 2] = array.shape.as_slice() else {
-        return Err(format!("{DATA}: is {:?}, expected height x width x 2", array.shape));
+        return Err(format!("{DATA}: is {:?}, expected height x width x 2", array.shape).into());
     };
     if array.dtype != Scalar::F32.into() {
-        return Err(format!("{DATA}: is of {:?}, expected f4", array.dtype));
+        return Err(format!("{DATA}: is of {:?}, expected f4", array.dtype).into());
     }
     let (mut dx, mut dy) = (Vec::with_capacity(height * width), Vec::with_capacity(height * width));
     for (k, pair) in array.bytes.chunks_exact(8).enumerate() {
@@ -204,8 +207,8 @@ fn flow(array: &Array, frame: u32) -> Result<FlowRow, String> {
     Ok(FlowRow { frame, time_s: time_s(frame), width: width as u32, height: height as u32, dx, dy })
 }
 
-fn numbers<const N: usize>(bytes: &[u8]) -> Result<[f64; N], String> {
-    let value = npy::parse(bytes).map_err(|e| e.to_string())?;
+fn numbers<const N: usize>(bytes: &[u8]) -> Result<[f64; N], SourceFault> {
+    let value = npy::parse(bytes)?;
     let found = value.numbers::<N>().ok_or_else(|| format!("has not {N} numbers"))?;
     if found.iter().all(|v| v.is_finite()) { Ok(found) } else { Err("holds what is no number".into()) }
 }
@@ -250,7 +253,7 @@ mod tests {
             ),
             (floats(&[2, 3], &[0.0, 0.0, 0.0, 0.0, f32::NAN, 0.0]), "data.npy: row 1 holds NaN"),
         ] {
-            let error = lidar(&array, 0).expect_err("refused");
+            let error = lidar(&array, 0).expect_err("refused").to_string();
             assert!(error.contains(want), "{error}");
         }
     }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use frames::{deg, wrap_pi};
 use schema::{Attribute, Attributes, DetectionClass, Difficulty, SignalState};
 
+use crate::error::SourceFault;
 use crate::value::Value;
 
 /// Most tags of an object.
@@ -50,7 +51,7 @@ pub(crate) struct VisibilityRecord {
 }
 
 /// The boxes of a file: a list of dictionaries.
-pub(crate) fn boxes(file: &Value, is_processed: bool) -> Result<Vec<Labelled>, String> {
+pub(crate) fn boxes(file: &Value, is_processed: bool) -> Result<Vec<Labelled>, SourceFault> {
     let items = match file {
         Value::List(items) => items.as_slice(),
         // What numpy makes of an empty list.
@@ -60,16 +61,16 @@ pub(crate) fn boxes(file: &Value, is_processed: bool) -> Result<Vec<Labelled>, S
     let mut ids = BTreeSet::new();
     let mut found = Vec::with_capacity(items.len());
     for (k, item) in items.iter().enumerate() {
-        let labelled = labelled(item, is_processed).map_err(|problem| format!("box {k}: {problem}"))?;
+        let labelled = labelled(item, is_processed).map_err(|fault| fault.at(format_args!("box {k}")))?;
         if !ids.insert(labelled.id) {
-            return Err(format!("box {k}: object {} is there twice", labelled.id));
+            return Err(format!("box {k}: object {} is there twice", labelled.id).into());
         }
         found.push(labelled);
     }
     Ok(found)
 }
 
-fn labelled(item: &Value, is_processed: bool) -> Result<Labelled, String> {
+fn labelled(item: &Value, is_processed: bool) -> Result<Labelled, SourceFault> {
     if !matches!(item, Value::Dict(_)) {
         return Err("is no dictionary".into());
     }
@@ -96,7 +97,7 @@ fn labelled(item: &Value, is_processed: bool) -> Result<Labelled, String> {
     let distance_m = item.get("distance_to_ego").and_then(Value::number).filter(|d| (0.0..FAR).contains(d));
     let angle_deg = item.get("angle_to_ego").and_then(Value::number).ok_or_else(|| named("angle_to_ego"))?;
     if angle_deg.abs() > 360.0 {
-        return Err(named("angle_to_ego"));
+        return Err(named("angle_to_ego").into());
     }
     let [wx, wy, wz] = vector("angular_velocity")?.map(deg);
     Ok(Labelled {
@@ -212,7 +213,7 @@ fn attributes(
 fn seen(item: &Value, class: DetectionClass) -> Result<VisibilityRecord, &'static str> {
     let count = |key| item.get(key).and_then(Value::whole::<u32>).ok_or(key);
     if item.get("class").and_then(Value::text) != Some(class.name()) {
-        return Err("class");
+        return Err("class".into());
     }
     let difficulty = item.get("difficulty").and_then(Value::text).unwrap_or_default();
     let known =

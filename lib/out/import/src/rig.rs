@@ -5,6 +5,7 @@ use schema::AgentKind;
 use schema::calibration::{Calibration, Mounting};
 use settings::{Lens, Mount, OccupancySettings};
 
+use crate::error::SourceFault;
 use crate::names::{self, LIDAR, SEMANTIC_LIDAR, VOXELS};
 use crate::value::Value;
 
@@ -31,7 +32,7 @@ impl Rigs {
     ///
     /// # Errors
     /// A key is missing, or holds no pose, matrix or bounds.
-    pub fn of(metadata: &Value) -> Result<Self, String> {
+    pub fn of(metadata: &Value) -> Result<Self, SourceFault> {
         Ok(Self { vehicle: rig(metadata, AgentKind::Vehicle)?, rsu: rig(metadata, AgentKind::Rsu)? })
     }
 
@@ -43,7 +44,7 @@ impl Rigs {
     }
 }
 
-fn rig(metadata: &Value, kind: AgentKind) -> Result<Rig, String> {
+fn rig(metadata: &Value, kind: AgentKind) -> Result<Rig, SourceFault> {
     let (upper, lower) = match kind {
         AgentKind::Vehicle => ("", ""),
         AgentKind::Rsu => ("RSU-", "rsu_"),
@@ -70,7 +71,7 @@ fn rig(metadata: &Value, kind: AgentKind) -> Result<Rig, String> {
         ..OccupancySettings::default()
     };
     if let Some(problem) = occupancy.problem() {
-        return Err(format!("metadata: `{key}`: {problem}"));
+        return Err(format!("metadata: `{key}`: {problem}").into());
     }
     Ok(Rig {
         mounts,
@@ -79,17 +80,17 @@ fn rig(metadata: &Value, kind: AgentKind) -> Result<Rig, String> {
     })
 }
 
-fn mounting(metadata: &Value, key: &str) -> Result<Mounting, String> {
+fn mounting(metadata: &Value, key: &str) -> Result<Mounting, SourceFault> {
     let part = |name: &str| metadata.get(key).and_then(|pose| pose.get(name));
     let translation = part("sensor2ego_translation").and_then(Value::numbers::<3>);
     let quaternion = part("sensor2ego_rotation").and_then(Value::numbers::<4>);
     let (Some(translation), Some(quaternion)) = (translation, quaternion) else {
-        return Err(format!("metadata: `{key}` has no pose of a sensor"));
+        return Err(format!("metadata: `{key}` has no pose of a sensor").into());
     };
     let norm2: f64 = quaternion.iter().map(|v| v * v).sum();
     let is_one = translation.iter().all(|v| v.is_finite()) && (norm2 - 1.0).abs() < 1e-3;
     if !is_one {
-        return Err(format!("metadata: `{key}` has no pose of a sensor"));
+        return Err(format!("metadata: `{key}` has no pose of a sensor").into());
     }
     // The original has seven digits of them.
     let is_exact = (norm2 - 1.0).abs() < 1e-12;

@@ -10,7 +10,7 @@ use schema::tables::{PlanAgentRow, PlanSceneRow, Weather};
 use settings::Split;
 use store::hash_bytes;
 
-use crate::error::ImportError;
+use crate::error::{ImportError, SourceFault};
 use crate::folder::Folder;
 use crate::infos::{Entry, Infos, Scene};
 use crate::names::{FILLED_VOXELS, MASKS, VOXELS};
@@ -96,7 +96,7 @@ impl Source {
         let text = entry.text()?;
         let scene = entry.read(&text)?;
         let place = |e: ImportError| e.within(format!("scene {}", entry.number));
-        let wrong = |problem: String| place(ImportError::source(entry.path(), problem));
+        let wrong = |problem: SourceFault| place(ImportError::source(entry.path(), problem));
         let info = facts::scene_info(entry, &scene, None).map_err(wrong)?;
         let mut digest = self.infos.metadata_text.clone();
         digest.extend_from_slice(&text);

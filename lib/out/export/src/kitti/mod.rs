@@ -93,7 +93,9 @@ impl Layout for Kitti {
     }
 
     fn identity(&self) -> String {
-        format!("camera {}, lidar {}", self.options.camera, self.options.lidar)
+        // A forgotten option does not compile.
+        let KittiOptions { camera, lidar } = &self.options;
+        format!("camera {camera}, lidar {lidar}")
     }
 
     fn needs(&self) -> Vec<&'static str> {

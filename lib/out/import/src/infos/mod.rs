@@ -61,9 +61,8 @@ impl Infos {
                 continue;
             }
             let path = folder.inside(&path)?;
-            let wrong = |e: &dyn std::fmt::Display| ImportError::source(&path, e);
-            let file = File::open(&path).map_err(|e| wrong(&e))?;
-            let Index { metadata, scenes } = scan(file).map_err(|e| wrong(&e))?;
+            let file = File::open(&path).map_err(|e| ImportError::source(&path, e))?;
+            let Index { metadata, scenes } = scan(file).map_err(|e| ImportError::source(&path, e))?;
             let text = slice(&path, &metadata, MAX_METADATA_BYTES)?;
             let value = parse(&path, &metadata, &text)?;
             let entries =
@@ -81,9 +80,9 @@ impl Infos {
                 Some(known) if known.metadata_text == text => known.entries.extend(entries),
                 Some(known) => {
                     let first = known.metadata_path.display();
-                    return Err(wrong(&format!(
-                        "says other things of the sensors than {first}: import them one by one"
-                    )));
+                    let problem =
+                        format!("says other things of the sensors than {first}: import them one by one");
+                    return Err(ImportError::source(&path, problem));
                 }
             }
         }

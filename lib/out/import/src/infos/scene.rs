@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use schema::{AgentId, AgentKind};
 
+use crate::error::SourceFault;
 use crate::value::Value;
 
 /// Most frames of a scene, and most agents.
@@ -37,7 +38,7 @@ impl Scene {
     ///
     /// # Errors
     /// What is missing or out of order, with agent and frame.
-    pub fn of(part: Value, number: u32) -> Result<Self, String> {
+    pub fn of(part: Value, number: u32) -> Result<Self, SourceFault> {
         let Value::Dict(entries) = part else { return Err("is no object".into()) };
         let (mut info, mut data) = (None, None);
         for (key, value) in entries {
@@ -50,16 +51,18 @@ impl Scene {
         let info = info.filter(|info| matches!(info, Value::Dict(_))).ok_or("has no `scene_info`")?;
         let Some(Value::Dict(lists)) = data else { return Err("has no `scene_data`".into()) };
         if lists.len() > MAX_AGENTS {
-            return Err(format!("has {} agents, at most {MAX_AGENTS} are possible", lists.len()));
+            return Err(format!("has {} agents, at most {MAX_AGENTS} are possible", lists.len()).into());
         }
         let mut agents = Vec::with_capacity(lists.len());
         for (name, list) in lists {
             let agent: AgentId = name.parse().map_err(|e| format!("scene_data: {e}"))?;
-            let Value::List(items) = list else { return Err(format!("{agent}: is no list of frames")) };
+            let Value::List(items) = list else {
+                return Err(format!("{agent}: is no list of frames").into());
+            };
             if items.is_empty() || items.len() > MAX_FRAMES {
-                return Err(format!("{agent}: has {} frames", items.len()));
+                return Err(format!("{agent}: has {} frames", items.len()).into());
             }
-            agents.push((agent, records(items, number).map_err(|problem| format!("{agent}: {problem}"))?));
+            agents.push((agent, records(items, number).map_err(|fault| fault.at(&agent))?));
         }
         agents.sort_by_key(|(agent, _)| *agent);
         check_agents(&agents)?;
@@ -75,19 +78,21 @@ impl Scene {
 
 /// The records of an agent: scene and frame as they are counted, one after another, and each with the files
 /// of the first.
-fn records(items: Vec<Value>, scene: u32) -> Result<Vec<Record>, String> {
+fn records(items: Vec<Value>, scene: u32) -> Result<Vec<Record>, SourceFault> {
     let mut found: Vec<Record> = Vec::with_capacity(items.len());
     let mut times = Vec::with_capacity(items.len());
     for (frame, item) in items.into_iter().enumerate() {
         times.push(item.get("timestamp").and_then(Value::whole::<i128>));
-        let record = record(item, scene, frame).map_err(|problem| format!("frame {frame}: {problem}"))?;
+        let record = record(item, scene, frame).map_err(|fault| fault.at(format_args!("frame {frame}")))?;
         if let Some(first) = found.first()
             && !first.files.keys().eq(record.files.keys())
         {
             let unlike = first.files.keys().find(|key| !record.files.contains_key(*key));
             let unlike = unlike.or_else(|| record.files.keys().find(|key| !first.files.contains_key(*key)));
             let key = unlike.map_or("", String::as_str);
-            return Err(format!("frame {frame}: `{key}` is not in all frames, and a store has all or none"));
+            return Err(
+                format!("frame {frame}: `{key}` is not in all frames, and a store has all or none").into()
+            );
         }
         found.push(record);
     }
@@ -97,7 +102,7 @@ fn records(items: Vec<Value>, scene: u32) -> Result<Vec<Record>, String> {
 
 /// Datasets of the original have clocks of their own. Where all times are those of every n-th frame, frames
 /// are missing between.
-fn check_step(times: &[Option<i128>]) -> Result<(), String> {
+fn check_step(times: &[Option<i128>]) -> Result<(), SourceFault> {
     let &[Some(0), Some(second), ..] = times else { return Ok(()) };
     let is_even = times.iter().zip(0..).all(|(time, k): (_, i128)| *time == Some(k * second));
     if is_even && second > TICKS_PER_FRAME && second % TICKS_PER_FRAME == 0 {
@@ -105,12 +110,12 @@ fn check_step(times: &[Option<i128>]) -> Result<(), String> {
         return Err(format!(
             "its timestamps are those of every {step}. frame of 20 a second, and poses of a store are there at each of them: \
              export all frames"
-        ));
+        ).into());
     }
     Ok(())
 }
 
-fn record(item: Value, scene: u32, frame: usize) -> Result<Record, String> {
+fn record(item: Value, scene: u32, frame: usize) -> Result<Record, SourceFault> {
     let Value::Dict(entries) = item else { return Err("is no object".into()) };
     let (mut xyz_m, mut quaternion, mut files) = (None, None, BTreeMap::new());
     for (key, value) in entries {
@@ -118,7 +123,7 @@ fn record(item: Value, scene: u32, frame: usize) -> Result<Record, String> {
             ("ego2global_translation", value) => xyz_m = value.numbers::<3>(),
             ("ego2global_rotation", value) => quaternion = value.numbers::<4>(),
             ("scene", value) if value.whole::<u32>() != Some(scene) => {
-                return Err(format!("says that it is of another scene than {scene}"));
+                return Err(format!("says that it is of another scene than {scene}").into());
             }
             ("frame", value) if value.whole::<usize>() != Some(frame) => {
                 return Err("says that it is another frame".into());
@@ -131,7 +136,7 @@ fn record(item: Value, scene: u32, frame: usize) -> Result<Record, String> {
                     files.insert(key, path.clone());
                 }
                 [Value::Text(_), ..] => {
-                    return Err(format!("`{key}` has several files, and a store has one"));
+                    return Err(format!("`{key}` has several files, and a store has one").into());
                 }
                 _ => {}
             },
@@ -149,16 +154,18 @@ fn record(item: Value, scene: u32, frame: usize) -> Result<Record, String> {
 }
 
 /// Readers count agents from 0, all have the same frames, and `vehicle_0` is one.
-fn check_agents(agents: &[(AgentId, Vec<Record>)]) -> Result<(), String> {
+fn check_agents(agents: &[(AgentId, Vec<Record>)]) -> Result<(), SourceFault> {
     let frames = agents.first().map_or(0, |(_, records)| records.len());
     let mut next = [0_u16; 2];
     for (agent, records) in agents {
         if records.len() != frames {
-            return Err(format!("{agent}: has {} frames, others have {frames}", records.len()));
+            return Err(format!("{agent}: has {} frames, others have {frames}", records.len()).into());
         }
         let place = &mut next[usize::from(agent.kind == AgentKind::Rsu)];
         if agent.index != *place {
-            return Err(format!("{agent}: is there, and the one before it is not, or it is there twice"));
+            return Err(
+                format!("{agent}: is there, and the one before it is not, or it is there twice").into()
+            );
         }
         *place += 1;
     }
@@ -180,7 +187,7 @@ mod tests {
 
     fn scene(data: &str) -> Result<Scene, String> {
         let text = format!(r#"{{"scene_info": {{"map": "Town01"}}, "scene_data": {{{data}}}}}"#);
-        Scene::of(json::parse(text.as_bytes()).expect("JSON"), 7)
+        Scene::of(json::parse(text.as_bytes()).expect("JSON"), 7).map_err(|fault| fault.to_string())
     }
 
     #[test]

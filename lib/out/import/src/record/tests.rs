@@ -103,15 +103,16 @@ fn what_no_store_can_hold_is_refused_by_name() {
         ("attributes", Value::Dict(vec![("a".into(), Value::Int(1))])),
         ("is_alive", Value::Int(1)),
     ] {
-        let error = labelled(&item(&[(key, value)]), false).expect_err("refused");
+        let error = labelled(&item(&[(key, value)]), false).expect_err("refused").to_string();
         assert!(error.contains(&format!("`{key}`")), "{key}: {error}");
     }
-    let error = labelled(&item(&[]), true).expect_err("refused");
+    let error = labelled(&item(&[]), true).expect_err("refused").to_string();
     assert_eq!(error, "object 300: has no such `class` as a store can hold");
-    let error = boxes(&list(vec![item(&[]), item(&[])]), false).expect_err("refused");
+    let error = boxes(&list(vec![item(&[]), item(&[])]), false).expect_err("refused").to_string();
     assert_eq!(error, "box 1: object 300 is there twice");
-    assert_eq!(boxes(&Value::Int(3), false), Err("is no list of boxes".into()));
-    assert_eq!(boxes(&Value::Numbers { shape: vec![0], values: vec![] }, false), Ok(vec![]));
+    assert_eq!(boxes(&Value::Int(3), false).expect_err("refused").to_string(), "is no list of boxes");
+    let none = Value::Numbers { shape: vec![0], values: vec![] };
+    assert_eq!(boxes(&none, false).expect("a list"), []);
 }
 
 #[test]
