@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Parser, ValueEnum};
+use clap::{CommandFactory, FromArgMatches, Parser, ValueEnum};
 use runner::{ProgressMode, STAMP_LEN, SceneList, Shard, Stage, StageOptions, StageSettings};
 
 /// A stage of Convoy's pipeline: does what is missing or stale, for all scenes of the plan or for some.
@@ -99,5 +99,8 @@ impl From<StageArgs> for StageOptions {
 /// (`build_stamp::STAMP`).
 #[must_use]
 pub fn run<S: StageSettings>(stage: Stage<S>, stamp: &[u8; STAMP_LEN]) -> ExitCode {
-    runner::run_stage(stage, &StageArgs::parse().into(), stamp)
+    let command = StageArgs::command().name(S::STAGE);
+    // What `get_matches` lets pass has all arguments; else clap's own message ends the program.
+    let args = StageArgs::from_arg_matches(&command.get_matches()).unwrap_or_else(|e| e.exit());
+    runner::run_stage(stage, &args.into(), stamp)
 }

@@ -18,7 +18,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 fn configurations() -> Vec<(String, DatasetSettings)> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let configs = here.join("../../../configs");
-    let every_key = ["every_key.toml", "every_key.yaml"].map(|name| here.join("tests/pipeline").join(name));
+    let every_key = ["every_key.toml", "every_key.yaml"].map(|name| here.join("tests/runner").join(name));
     let name = |file: &Path| file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let whole = files(&configs).into_iter().chain(every_key).map(|file| {
         let (settings, _) = settings::load(&file).unwrap_or_else(|faults| panic!("{faults:?}"));
