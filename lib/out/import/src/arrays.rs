@@ -164,7 +164,7 @@ fn voxel_cells(bytes: &[u8]) -> Result<Vec<u64>, SourceFault> {
     let known = Tag::ALL.len();
     match counts[known..].iter().position(|&n| n > 0) {
         Some(tag) => Err(format!("{DATA}: holds the tag {}", known + tag).into()),
-        None => Ok(counts[..known].to_vec().into()),
+        None => Ok(counts[..known].to_vec()),
     }
 }
 

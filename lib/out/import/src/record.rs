@@ -213,7 +213,7 @@ fn attributes(
 fn seen(item: &Value, class: DetectionClass) -> Result<VisibilityRecord, &'static str> {
     let count = |key| item.get(key).and_then(Value::whole::<u32>).ok_or(key);
     if item.get("class").and_then(Value::text) != Some(class.name()) {
-        return Err("class".into());
+        return Err("class");
     }
     let difficulty = item.get("difficulty").and_then(Value::text).unwrap_or_default();
     let known =

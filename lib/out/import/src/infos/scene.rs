@@ -62,7 +62,7 @@ impl Scene {
             if items.is_empty() || items.len() > MAX_FRAMES {
                 return Err(format!("{agent}: has {} frames", items.len()).into());
             }
-            agents.push((agent, records(items, number).map_err(|fault| fault.at(&agent))?));
+            agents.push((agent, records(items, number).map_err(|fault| fault.at(agent))?));
         }
         agents.sort_by_key(|(agent, _)| *agent);
         check_agents(&agents)?;
