@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::process::Command;
 
-use clap::Subcommand;
+use clap::{CommandFactory, Subcommand};
 use runner::{EXIT_SOME_FAILED, EXIT_USAGE};
 
 /// Programs beside this one.
@@ -39,7 +39,8 @@ pub(crate) struct Rest {
 
 /// `convoy` as shells and manual pages are told of it: the commands that start programs with what these take.
 pub(crate) fn explained(convoy: clap::Command) -> clap::Command {
-    arguments::commands().into_iter().fold(convoy, |convoy, program| {
+    let programs = arguments::commands().into_iter().chain([export_core::command::Export::command()]);
+    programs.fold(convoy, |convoy, program| {
         let name = program.get_name().to_owned();
         convoy.mut_subcommand(name, |_| program)
     })

@@ -1,12 +1,11 @@
 //! Exports a finished store in the layouts that other people's loaders read.
 
-mod layouts;
-
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 
-use arguments::export::{CommonArgs, Export};
+use arguments::export::CommonArgs;
 use clap::Parser;
+use export_core::command::Export;
 use export_core::{
     Destination, ExportError, Layout, Omission, Plan, ProgressWatch, Selection, Source, export, plan,
 };
@@ -18,7 +17,7 @@ fn main() -> ExitCode {
     let command = Export::parse().layout;
     runner::init_logging();
     runner::listen_for_signals();
-    let done = layouts::split(command).and_then(|(layout, common)| run(layout.as_ref(), &common));
+    let done = command.split().and_then(|(layout, common)| run(layout.as_ref(), &common));
     ExitCode::from(match done {
         Ok(()) => EXIT_DONE,
         Err(error) => {
@@ -46,6 +45,9 @@ fn run(layout: &dyn Layout, common: &CommonArgs) -> Result<(), ExportError> {
     let place = Destination::new(&common.dest, layout.name());
     let plan = plan(layout, &source, &place, runner::code_version("export"), common.force)?;
     announce(&plan, &source, pool.current_num_threads());
+    if let Some(caution) = layout.caution(&common.dest) {
+        tracing::warn!("{caution}");
+    }
     if common.dry_run {
         return Ok(());
     }

@@ -1,5 +1,7 @@
 //! What a layout has to say.
 
+use std::path::Path;
+
 use scene::{SensorEntry, SensorKind};
 
 use crate::unit::UnitName;
@@ -59,8 +61,14 @@ pub trait Layout: Sync {
     /// Its name: `kitti`.
     fn name(&self) -> &'static str;
 
-    /// Its options in words that stay the same for the same bytes.
-    fn identity(&self) -> String;
+    /// All its options, from which the export's identity is made: what was exported with others is not gone
+    /// on with.
+    fn options(&self) -> serde_json::Value;
+
+    /// What a user should know of a destination before anything is written.
+    fn caution(&self, _dest: &Path) -> Option<String> {
+        None
+    }
 
     /// Where the user does not say, it takes frames 0, n, 2 n, ...
     fn every_n_frames(&self) -> u32 {

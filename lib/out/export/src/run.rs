@@ -59,7 +59,7 @@ pub fn plan(
     }
     let mut omissions = layout.preflight(source)?;
     omissions.extend(never_had(source));
-    let options = format!("{}; {}; {}", layout.name(), layout.identity(), source.selection.identity());
+    let options = format!("{}; {}; {}", layout.name(), layout.options(), source.selection.identity());
     let replaces = place.claim(&options, force)?;
     let (mut units, mut cost, mut done) = (Vec::new(), Cost::default(), 0);
     for scene in &source.scenes {

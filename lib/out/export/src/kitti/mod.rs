@@ -19,28 +19,26 @@ mod unit;
 
 use std::collections::BTreeMap;
 
+use clap::Args;
 use scene::{SensorEntry, SensorKind};
 use schema::table::Row;
 use schema::tables::{BoxRow, CameraRow, ValidBoxRow};
 use schema::{AgentId, ImageKind};
+use serde::Serialize;
 use settings::Lens;
 
 use self::pair::{MOST, Pair, Sequence};
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
 
 /// What a user may choose.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Args, Serialize)]
 pub struct KittiOptions {
-    /// The camera that becomes `image_2` and carries the labels.
+    /// The camera that becomes image_2 and carries the labels.
+    #[arg(long, value_name = "NAME", default_value = "CAM_FRONT")]
     pub camera: String,
-    /// The lidar that becomes `velodyne`.
+    /// The lidar that becomes velodyne.
+    #[arg(long, value_name = "NAME", default_value = "LIDAR")]
     pub lidar: String,
-}
-
-impl Default for KittiOptions {
-    fn default() -> Self {
-        Self { camera: "CAM_FRONT".into(), lidar: "LIDAR".into() }
-    }
 }
 
 /// The layout.
@@ -92,10 +90,8 @@ impl Layout for Kitti {
         "kitti"
     }
 
-    fn identity(&self) -> String {
-        // A forgotten option does not compile.
-        let KittiOptions { camera, lidar } = &self.options;
-        format!("camera {camera}, lidar {lidar}")
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self.options)
     }
 
     fn needs(&self) -> Vec<&'static str> {

@@ -63,9 +63,8 @@ impl Layout for Mcap {
         "mcap"
     }
 
-    fn identity(&self) -> String {
-        let McapOptions { voxel_range_m, voxel_block, depth } = self.options;
-        format!("voxels to {voxel_range_m} m in blocks of {voxel_block}, depth {depth}")
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self.options)
     }
 
     fn needs(&self) -> Vec<&'static str> {

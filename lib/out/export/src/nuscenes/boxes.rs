@@ -256,7 +256,7 @@ mod tests {
     #[test]
     fn only_other_near_and_seen_boxes_are_annotated() {
         let agent = AgentRow { id: 3, xyz_m: [100.0, 0.0, 0.0], ..AgentRow::default() };
-        let options = NuScenesOptions::default();
+        let options = crate::command::usual::<NuScenesOptions>();
         let at = |x: f64| car(0, 7, [x, 0.0, 50.0]);
         assert!(is_annotated(&at(159.9), &agent, &options) && !is_annotated(&at(160.1), &agent, &options));
         assert!(!is_annotated(&LabelledBox { seen: None, ..at(110.0) }, &agent, &options));

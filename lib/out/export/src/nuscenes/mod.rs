@@ -45,7 +45,9 @@ pub struct NuScenes {
 impl NuScenes {
     /// With options.
     #[must_use]
-    pub fn new(options: NuScenesOptions) -> Self {
+    pub fn new(mut options: NuScenesOptions) -> Self {
+        options.sweeps.sort_unstable();
+        options.sweeps.dedup();
         Self { options }
     }
 }
@@ -55,22 +57,8 @@ impl Layout for NuScenes {
         "nuscenes"
     }
 
-    fn identity(&self) -> String {
-        let NuScenesOptions {
-            version,
-            sample_every_n_frames,
-            sweeps,
-            radius_m,
-            empty_boxes,
-            lidarseg,
-            map_mask,
-        } = &self.options;
-        let version = version.as_deref().unwrap_or("one a split and map");
-        let sweeps: Vec<&str> = sweeps.iter().map(|modality| modality.name()).collect();
-        format!(
-            "version {version}, a sample every {sample_every_n_frames} frames, sweeps {sweeps:?}, boxes within {radius_m} m, empty \
-             boxes {empty_boxes}, lidarseg {lidarseg}, map masks {map_mask}"
-        )
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self.options)
     }
 
     fn needs(&self) -> Vec<&'static str> {

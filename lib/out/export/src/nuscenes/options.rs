@@ -1,40 +1,38 @@
 //! What a user may choose.
 
+use clap::{ArgAction, Args};
+use serde::Serialize;
+
 use super::mask::Canvas;
 use super::vocabulary::Modality;
 use crate::ExportError;
 
 /// What a user may choose.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Args, Serialize)]
 pub struct NuScenesOptions {
-    /// The name of one version for all splits and maps; none for one each.
+    /// One version for all, by its name, such as v1.0-trainval (default: one for each split and map,
+    /// v1.0-SPLIT-MAP).
+    #[arg(long = "version-name", value_name = "NAME")]
     pub version: Option<String>,
-    /// Samples stand at least so many frames apart: 10 frames are half a second.
+    /// Samples (annotated keyframes) stand at least so many frames apart.
+    #[arg(long = "sample-every", value_name = "N", default_value_t = 10,
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub sample_every_n_frames: u32,
-    /// Channels of these have files between the samples, too.
+    /// Write the readings between samples, too, of these: lidar,radar,camera.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub sweeps: Vec<Modality>,
-    /// Boxes whose centre is farther from the agent in plan are not annotated, m.
+    /// Annotate boxes within this distance of the agent in plan, m.
+    #[arg(long = "radius", value_name = "M", default_value_t = 60.0)]
     pub radius_m: f64,
-    /// Whether boxes without a lidar or radar point are annotated.
+    /// Annotate boxes without a lidar or radar point, too.
+    #[arg(long)]
     pub empty_boxes: bool,
-    /// Whether points have labels.
+    /// Leave labels of points out.
+    #[arg(long = "no-lidarseg", action = ArgAction::SetFalse)]
     pub lidarseg: bool,
-    /// Whether maps have masks; else these are blank.
+    /// Write blank map masks: for scenes that lie kilometres apart.
+    #[arg(long = "no-map-mask", action = ArgAction::SetFalse)]
     pub map_mask: bool,
-}
-
-impl Default for NuScenesOptions {
-    fn default() -> Self {
-        Self {
-            version: None,
-            sample_every_n_frames: 10,
-            sweeps: Vec::new(),
-            radius_m: 60.0,
-            empty_boxes: false,
-            lidarseg: true,
-            map_mask: true,
-        }
-    }
 }
 
 impl NuScenesOptions {
@@ -76,10 +74,11 @@ pub(crate) fn plain(map: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::command::usual;
 
     #[test]
     fn versions_are_named_by_split_and_map() {
-        let mut options = NuScenesOptions::default();
+        let mut options = usual::<NuScenesOptions>();
         assert_eq!(options.version_of("val", "convoy/demo"), "v1.0-val-convoy_demo");
         options.version = Some("v1.0-trainval".into());
         assert_eq!(options.version_of("val", "convoy/demo"), "v1.0-trainval");
@@ -90,7 +89,7 @@ mod tests {
         }
         for radius_m in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(
-                NuScenesOptions { radius_m, ..NuScenesOptions::default() }.check().is_err(),
+                NuScenesOptions { radius_m, ..usual::<NuScenesOptions>() }.check().is_err(),
                 "{radius_m}"
             );
         }

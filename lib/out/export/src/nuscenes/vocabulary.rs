@@ -1,7 +1,9 @@
 //! The layout's words: categories, levels of visibility, channels.
 
+use clap::ValueEnum;
 use scene::{SensorEntry, SensorKind};
 use schema::{Attribute, Attributes, DetectionClass, ImageKind, Tag};
+use serde::Serialize;
 
 /// Categories in the order of their lidarseg indices, with what each is. Devkits know colours for just these.
 pub(crate) const CATEGORIES: [(&str, &str); 32] = [
@@ -126,7 +128,8 @@ pub(crate) fn is_told_by_object(tag: u8) -> bool {
 }
 
 /// What a channel's readings are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Modality {
     /// Pictures.
     Camera,

@@ -25,6 +25,7 @@ mod unit;
 mod vehicles;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use scene::{SensorEntry, SensorKind};
@@ -35,7 +36,9 @@ use schema::table::Row;
 use schema::tables::{LidarRow, ValidBoxRow};
 
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
-pub use options::{Options, Variant};
+pub use options::{Opv2vOptions, SharedOptions};
+
+use options::{Options, Variant};
 
 use crate::source::NO_MAP;
 use bev::RoadChannel;
@@ -43,6 +46,9 @@ use roster::{AgentRoster, Member};
 
 /// Why lanes are left out of pictures of scenes that were made here.
 const NO_LINES: &str = "the store has no lines of it: `convoy run` writes them";
+
+/// Words in paths that HEAL replaces by others.
+const REPLACED: [&str; 5] = ["OPV2V", "train", "validate", "test", "yaml"];
 
 /// One of the layouts, with its options.
 #[derive(Debug)]
@@ -53,10 +59,20 @@ pub struct Opv2v {
 }
 
 impl Opv2v {
-    /// The layout with some options.
+    /// OPV2V with what HEAL and CoBEVT add.
     #[must_use]
-    pub fn new(options: Options) -> Self {
-        Self { options, crews: Mutex::default() }
+    pub fn for_heal(options: Opv2vOptions) -> Self {
+        Self::new(Variant::Opv2v, options)
+    }
+
+    /// V2X-Real, where all RSUs are agents.
+    #[must_use]
+    pub fn v2x_real(shared: SharedOptions) -> Self {
+        Self::new(Variant::V2xReal, Opv2vOptions { shared, all_rsus: false })
+    }
+
+    fn new(variant: Variant, options: Opv2vOptions) -> Self {
+        Self { options: Options::new(variant, options), crews: Mutex::default() }
     }
 
     /// The agents of a scene that are exported; looked up once.
@@ -82,10 +98,18 @@ impl Layout for Opv2v {
         }
     }
 
-    fn identity(&self) -> String {
-        let Options { variant: _, classes, all_rsus, lidar, cameras } = &self.options;
-        let classes: Vec<&str> = classes.iter().map(|class| class.name()).collect();
-        format!("classes {classes:?}, all RSUs {all_rsus}, lidar {lidar:?}, cameras {cameras:?}")
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self.options)
+    }
+
+    /// HEAL replaces words wherever they are in a path.
+    fn caution(&self, dest: &Path) -> Option<String> {
+        let dest = std::path::absolute(dest).unwrap_or_default().display().to_string();
+        let word =
+            REPLACED.iter().find(|word| self.options.variant == Variant::Opv2v && dest.contains(**word))?;
+        Some(format!(
+            "{dest}: HEAL replaces `{word}` in whole paths: read it from a folder without that word"
+        ))
     }
 
     /// 10 a second, as its loaders count delays.
@@ -101,7 +125,7 @@ impl Layout for Opv2v {
         let variant = self.options.variant;
         if variant == Variant::V2xReal
             && let Some(class) =
-                self.options.classes.iter().find(|class| vehicles::type_of(**class).is_none())
+                self.options.shared().classes.iter().find(|class| vehicles::type_of(**class).is_none())
         {
             return Err(ExportError::Refused(format!("V2X-Real has no type for the class {}", class.name())));
         }
@@ -135,7 +159,7 @@ impl Layout for Opv2v {
             "boxes that the agent has no lidar point of, and its own",
             "lists have what an agent sees",
         ));
-        let listed: Vec<&str> = self.options.classes.iter().map(|class| class.name()).collect();
+        let listed: Vec<&str> = self.options.shared().classes.iter().map(|class| class.name()).collect();
         let why = format!("listed are {}: see --classes", listed.join(", "));
         omissions.insert(Omission::new("boxes of other classes", why));
         Ok(omissions.into_iter().collect())

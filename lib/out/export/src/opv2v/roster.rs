@@ -169,7 +169,7 @@ fn named(scene: &SceneSource, options: &Options) -> Result<Vec<(AgentId, Option<
     for (number, rsu) in (0_i64..).zip(rsus) {
         let name = match (options.variant, number) {
             (Variant::V2xReal, _) | (_, 0) => Some(-1 - number),
-            _ => options.all_rsus.then_some(FIRST_RSU_NAME + number),
+            _ => options.chosen.all_rsus.then_some(FIRST_RSU_NAME + number),
         };
         named.push((rsu, name));
     }
@@ -199,7 +199,7 @@ fn member(
     let sensors = scene.sensors(agent)?;
     let mut omit = |what: String, why: &str| omissions.insert(Omission::new(what, why));
     let lidars = || sensors.iter().filter(|sensor| sensor.kind == SensorKind::Lidar);
-    let wanted = options.lidar.as_deref();
+    let wanted = options.shared().lidar.as_deref();
     let lidar = match wanted {
         Some(wanted) => lidars().find(|lidar| lidar.name == wanted),
         None => lidars().find(|lidar| lidar.name == "LIDAR").or_else(|| lidars().next()),
@@ -254,7 +254,7 @@ fn cameras(sensors: &[SensorEntry], options: &Options) -> Result<[CameraPair; 4]
         return Err(None);
     }
     let by_name = |name: &str| color.iter().position(|sensor| sensor.camera() == Some(name));
-    let chosen: Vec<usize> = match &options.cameras {
+    let chosen: Vec<usize> = match &options.shared().cameras {
         Some(names) => {
             let found = names.iter().map(|name| by_name(name).ok_or_else(|| format!("there is no {name}")));
             found.collect::<Result<_, _>>().map_err(Some)?
@@ -305,6 +305,8 @@ mod tests {
     use schema::calibration::{Calibration, Mounting};
 
     use super::*;
+    use crate::command::usual;
+    use crate::opv2v::{Opv2vOptions, SharedOptions};
 
     fn camera(name: &str, yaw_deg: f64) -> SensorEntry {
         let mount = Pose::<Agent, Sensor>::from_xyz_rpy([0.0; 3], [0.0, 0.1, deg(yaw_deg)]);
@@ -339,13 +341,17 @@ mod tests {
             camera("B", 180.0),
             camera("BR", -110.0),
         ];
-        let options = Options::new(Variant::Opv2v);
+        let options = Options::new(Variant::Opv2v, usual());
         assert_eq!(names(&cameras(&six, &options).expect("has four")), ["F", "BR", "BL", "B"]);
         let named = ["FL", "F", "FR", "B"].map(String::from);
-        let chosen = Options { cameras: Some(named.clone()), ..options.clone() };
+        let with = |names: [String; 4]| {
+            let shared = SharedOptions { cameras: Some(names), ..usual() };
+            Options::new(Variant::Opv2v, Opv2vOptions { shared, all_rsus: false })
+        };
+        let chosen = with(named.clone());
         assert_eq!(names(&cameras(&six, &chosen).expect("are there")), ["FL", "F", "FR", "B"]);
         let [a, b, c, _] = named;
-        let wrong = Options { cameras: Some([a, b, c, "X".into()]), ..options.clone() };
+        let wrong = with([a, b, c, "X".into()]);
         assert_eq!(cameras(&six, &wrong).expect_err("X is missing"), Some("there is no X".into()));
         assert_eq!(cameras(&[], &options).expect_err("none"), None);
         let three = cameras(&six[..3], &options).expect_err("nothing looks back").expect("says why");
@@ -360,7 +366,7 @@ mod tests {
     fn usual_names_come_before_directions() {
         let turned =
             [camera("camera0", 90.0), camera("camera1", 0.0), camera("camera2", 5.0), camera("camera3", 9.0)];
-        let found = cameras(&turned, &Options::new(Variant::Opv2v)).expect("has them");
+        let found = cameras(&turned, &Options::new(Variant::Opv2v, usual())).expect("has them");
         assert_eq!(names(&found), ["camera0", "camera1", "camera2", "camera3"]);
     }
 

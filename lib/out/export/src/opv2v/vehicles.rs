@@ -44,7 +44,7 @@ fn type_of_box(raw: &BoxRow, class: DetectionClass) -> Option<&'static str> {
 
 /// The class of a box, if boxes of it are listed.
 pub(super) fn listed_class(raw: &BoxRow, options: &Options) -> Option<DetectionClass> {
-    DetectionClass::from_name(&raw.class).filter(|class| options.classes.contains(class))
+    DetectionClass::from_name(&raw.class).filter(|class| options.shared().classes.contains(class))
 }
 
 /// The middle of a box's bottom face, metres, world.
@@ -93,6 +93,7 @@ mod tests {
     use schema::tables::ValidBoxRow;
 
     use super::*;
+    use crate::command::usual;
     use crate::opv2v::record::to_json;
 
     /// A box of 4 x 2 x 1.5 m on a slope of 10 degrees, seen by some points.
@@ -125,8 +126,10 @@ mod tests {
 
     #[test]
     fn a_car_by_hand() {
-        let found =
-            json(&[car("car", 1), car("car", 0), car("pedestrian", 5)], &Options::new(Variant::Opv2v));
+        let found = json(
+            &[car("car", 1), car("car", 0), car("pedestrian", 5)],
+            &Options::new(Variant::Opv2v, usual()),
+        );
         // From its footprint the middle is 0.75 m along its own up, which leans forward by sin 10 degrees.
         let lean = 0.75 * 0.173_648_178;
         let center =
@@ -140,7 +143,7 @@ mod tests {
 
     #[test]
     fn v2x_real_knows_types() {
-        let options = Options::new(Variant::V2xReal);
+        let options = Options::new(Variant::V2xReal, usual());
         let type_of = |row: LabelledBox| {
             let found = listed([&row].into_iter(), &options, &[]);
             found.first().and_then(|(_, value)| value["obj_type"].as_str()).map(str::to_owned)

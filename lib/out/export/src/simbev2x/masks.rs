@@ -1,17 +1,19 @@
 //! BEV masks as pictures.
 
+use clap::ValueEnum;
 use codecs::images::{Chroma, ImageError, encode_jpeg};
 use schema::BevClass;
 use schema::palette::bev_cityscapes_rgb;
+use serde::Serialize;
 
 /// Quality of the pictures: that of the layout's own ones.
 const QUALITY: u8 = 95;
 
 /// Colours of the masks' pictures.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Palette {
     /// Bright colours.
-    #[default]
     Plain,
     /// Those of Cityscapes.
     Cityscapes,

@@ -127,9 +127,8 @@ impl Layout for SimBev2x {
         "simbev2x"
     }
 
-    fn identity(&self) -> String {
-        let Options { state, palette, path_prefix } = &self.options;
-        format!("{state:?}, {palette:?}, paths below `{path_prefix}`")
+    fn options(&self) -> serde_json::Value {
+        serde_json::json!(self.options)
     }
 
     fn needs(&self) -> Vec<&'static str> {

@@ -1,4 +1,4 @@
-//! What all layouts take.
+//! What all layouts of `export` take. The layouts' own options, and so the program's command line, are with the layouts.
 
 use std::path::PathBuf;
 
