@@ -187,11 +187,15 @@ fn place_on(scene: &Scene, id: u16, frame: usize, in_world: V3) -> MotionKind {
 }
 
 /// How far a wheel's rim may be from where its body takes it, pixels: as far as the body has come, seen from
-/// here.
+/// here. It may go any way, and lenses show ways of the same length differently: the longest counts.
 fn wheels_px(now: &Sight<'_>, before: &Sight<'_>, point: V3, was: V3, [x, y]: [f64; 2]) -> f64 {
     let way_m = norm(sub(now.world_from_optical.outward(point), before.world_from_optical.outward(was)));
-    let beside = now.camera.optics.project([was[0] + way_m, was[1], was[2]]);
-    WHEELS * beside.map_or(0.0, |[to_x, to_y]| libm::hypot(to_x - x, to_y - y))
+    let ways = (0..3).filter_map(|axis| {
+        let mut to = was;
+        to[axis] += way_m;
+        now.camera.optics.project(to)
+    });
+    WHEELS * ways.map(|[to_x, to_y]| libm::hypot(to_x - x, to_y - y)).fold(0.0, f64::max)
 }
 
 fn judge(judged: &mut Judged, id: u16, holds: bool) {

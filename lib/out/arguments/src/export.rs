@@ -1,4 +1,5 @@
-//! What all layouts of `export` take. The layouts' own options, and so the program's command line, are with the layouts.
+//! What all layouts of `export` take. Options of one layout, and so the program's command line, are with the
+//! layouts.
 
 use std::path::PathBuf;
 
