@@ -10,7 +10,7 @@ use export_core::{
     Destination, ExportError, Layout, Omission, Plan, ProgressWatch, Selection, Source, export, plan,
 };
 use indicatif::{DecimalBytes, HumanDuration};
-use runner::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Progress, say};
+use runner::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Programs, Progress, say};
 use store::Store;
 
 fn main() -> ExitCode {
@@ -43,7 +43,7 @@ fn run(layout: &dyn Layout, common: &CommonArgs) -> Result<(), ExportError> {
     let store = Store::open(&common.store)?;
     let source = Source::open(&store, &selection(common, layout.every_n_frames()), &layout.needs())?;
     let place = Destination::new(&common.dest, layout.name());
-    let plan = plan(layout, &source, &place, runner::code_version("export"), common.force)?;
+    let plan = plan(layout, &source, &place, &code(), common.force)?;
     announce(&plan, &source, pool.current_num_threads());
     if let Some(caution) = layout.caution(&common.dest) {
         tracing::warn!("{caution}");
@@ -57,6 +57,17 @@ fn run(layout: &dyn Layout, common: &CommonArgs) -> Result<(), ExportError> {
     let (made, units, root) = (outcome.made, outcome.units, place.root().display());
     say(&format!("{root}: {made} of {units} parts made now"));
     Ok(())
+}
+
+/// What made the files, as far as it decides their bytes: the version alone of a commit's build, the program,
+/// too, of one with uncommitted changes.
+fn code() -> String {
+    let version = runner::code_version("export");
+    let made_by = Programs::of_build(build_stamp::STAMP, Some("export")).made_by("export");
+    match made_by.commit {
+        Some(_) => version.to_owned(),
+        None => format!("{version}, program {}", made_by.program),
+    }
 }
 
 /// What of the store is wanted, where a layout takes every so many frames.
