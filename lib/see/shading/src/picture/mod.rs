@@ -2,6 +2,7 @@
 
 mod antialias;
 mod bloom;
+mod compose;
 mod defocus;
 mod drops;
 mod film;

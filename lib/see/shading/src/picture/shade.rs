@@ -1,143 +1,17 @@
 //! The colour picture: light times surface, span by span.
 
 use glam::Vec3;
-use rayon::prelude::*;
-use render::{Bend, RenderError, SKY, Scene, SurfacePoints, SurfaceTriangle, Surfaces, VisibilityBuffer};
+use render::{Bend, RenderError, SKY, SurfacePoints, SurfaceTriangle, Surfaces, VisibilityBuffer};
 use simd::{F32x8, LANES, STEPS, Vec3x8, exp_neg, smoothstep};
 
-use super::antialias::smooth_edges;
-use super::bloom::{blocks, bloom, gather};
+use super::bloom::gather;
 use super::film::Film;
-use super::mirror::{Dry, Mirror, WetSpan};
-use super::picture::Picture;
-use super::rain::{Rain, draw_rain};
-use super::soften::soften;
-use super::spray::Spray;
+use super::mirror::{Mirror, WetSpan};
 use super::vignette::Vignette;
 use crate::light::{CornerGradient, Facing, Lighting, Lit};
 use crate::materials::{PatternSet, Points, ShadedTriangle, Specular, gets_wet, sample};
 use render::CameraView;
 use render::panes::{PASSES, PaneRays, Panes, TransmittedHit};
-
-impl Picture {
-    /// Lights and colours what was seen, and what is behind panes.
-    ///
-    /// # Errors
-    /// The renderer failed.
-    pub fn new(
-        scene: &dyn Scene,
-        view: &CameraView,
-        buffer: &VisibilityBuffer,
-        lighting: &Lighting,
-    ) -> Result<Self, RenderError> {
-        let snapshot = scene.snapshot();
-        let width = buffer.width as usize;
-        let mut rgb = vec![0u8; 3 * buffer.instance.len()];
-        let blocks = blocks(width);
-        let mut bright = vec![Vec3::ZERO; blocks * buffer.height as usize];
-        let exposure = lighting.exposure.per_radiance(view.settings.f_stop);
-        let mut shader = Shader {
-            buffer,
-            lighting,
-            patterns: PatternSet::get(),
-            exposure,
-            per_focal: 1.0 / buffer.camera.fx,
-            camera: Vec3::from(buffer.camera.local_from_optical.translation),
-            film: Film::new(),
-            vignette: Vignette::new(buffer.width, buffer.height, view.settings.vignetting as f32),
-            balance: lighting.exposure.balance(view.settings.white_balance),
-            hazy: !lighting.fog.is_clear(),
-            veil: lighting.fog.rgb * exposure,
-            ambient: lighting.sky.ambient.map(|a| a * (exposure / std::f32::consts::PI)),
-            bounced: lighting.sky.bounced_klx() * (exposure / std::f32::consts::PI),
-            key: lighting.sky.key_klx * (exposure / std::f32::consts::PI),
-            mirror: None,
-        };
-        let surfaces = Surfaces::new(buffer, snapshot);
-        let panes = Panes::of(scene);
-        let rows = rgb.par_chunks_mut(3 * width).zip(bright.par_chunks_mut(blocks));
-        let is_wet = lighting.around.are_wet();
-        let dry_row = |(y, (row, bright)): (usize, (&mut [u8], &mut [Vec3]))| {
-            let row = row.as_chunks_mut::<3>().0;
-            let mut wet = Vec::new();
-            let behind =
-                panes.as_ref().map_or(Ok(Vec::new()), |panes| behind_row(panes, buffer, y as u32))?;
-            let mut behind = behind.as_slice();
-            surfaces.for_each_span(y as u32, |columns, triangle| {
-                let pixels = &mut row[columns.start as usize..columns.end as usize];
-                let span = Span { first: columns.start, y: y as u32, pixels, bright };
-                let is_pane = |t: &SurfaceTriangle<'_, '_>| {
-                    panes.as_ref().is_some_and(|p| p.is_pane(t.instance, t.triangle))
-                };
-                match triangle {
-                    Some(triangle) if is_pane(triangle) => {
-                        let (here, others) = behind.split_at(columns.len());
-                        behind = others;
-                        shader.paint_pane(span, triangle, &surfaces, here);
-                    }
-                    Some(triangle) if is_wet && gets_wet(triangle.part, triangle.normal_local) => {
-                        let (instance, triangle) = (triangle.instance, triangle.triangle);
-                        wet.push(WetSpan { first: columns.start, end: columns.end, instance, triangle });
-                    }
-                    Some(triangle) => shader.paint(span, triangle),
-                    None => shader.paint_sky(span),
-                }
-            });
-            Ok(wet)
-        };
-        let wet: Result<Vec<Vec<WetSpan>>, RenderError> = rows.enumerate().map(dry_row).collect();
-        let wet = wet?;
-        if wet.iter().any(|row| !row.is_empty()) {
-            let dry = rgb.clone();
-            let dry = Dry {
-                view,
-                buffer,
-                rgb: dry.as_chunks::<3>().0,
-                wet: &wet,
-                film: &shader.film,
-                vignette: shader.vignette,
-                balance: shader.balance,
-                sky: &lighting.sky,
-                environment_map: &lighting.environment_map,
-                exposure,
-            };
-            let mirror = Mirror::new(&dry, &surfaces);
-            shader.mirror = Some(mirror);
-            let rows = rgb.par_chunks_mut(3 * width).zip(bright.par_chunks_mut(blocks)).zip(&wet);
-            rows.enumerate().for_each(|(y, ((row, bright), wet))| {
-                let row = row.as_chunks_mut::<3>().0;
-                for span in wet {
-                    let Some(triangle) = surfaces.facet(span.instance, span.triangle) else { continue };
-                    let pixels = &mut row[span.first as usize..span.end as usize];
-                    let (first, y, bright) = (span.first, y as u32, &mut *bright);
-                    shader.paint(Span { first, y, pixels, bright }, &triangle);
-                }
-            });
-        }
-        let electrons = lighting.exposure.electrons();
-        let mut picture = Self { width: buffer.width, height: buffer.height, rgb, electrons };
-        if is_wet {
-            let spray = Spray {
-                snapshot,
-                lighting,
-                film: &shader.film,
-                vignette: shader.vignette,
-                balance: shader.balance,
-                exposure,
-            };
-            spray.draw(&mut picture, view, buffer);
-        }
-        bloom(&mut picture, &shader.film, &bright, view.settings.bloom as f32);
-        smooth_edges(&mut picture);
-        soften(&mut picture, &shader.film, snapshot, view, buffer);
-        if lighting.rain > 0.0 {
-            let world_from_local_m = lighting.around.world_from_local_m;
-            let rain = Rain { strength: lighting.rain, frame: lighting.frame, world_from_local_m };
-            draw_rain(&mut picture, view, buffer, rain);
-        }
-        Ok(picture)
-    }
-}
 
 /// What wet ground mirrors at eight pixels, and whether that is known.
 #[inline]
@@ -155,6 +29,14 @@ fn mirrored(
     let right = (north * toward.x - east * toward.y) / level;
     let rough = smoothstep(0.08, 0.24, specular.roughness);
     mirror.at(pixels, [away, right], toward.z, rough)
+}
+
+/// A row of the picture.
+pub(super) struct Row<'p> {
+    pub(super) y: u32,
+    pub(super) rgb: &'p mut [u8],
+    /// What is brighter than white in its blocks.
+    pub(super) bright: &'p mut [Vec3],
 }
 
 /// What is behind the pixels of a row that show panes, from left to right.
@@ -288,33 +170,104 @@ fn leaning(normal: Vec3) -> Vec3 {
     (normal + Vec3::Z * LEAF_LEAN).normalize_or(normal)
 }
 
-struct Shader<'a> {
-    buffer: &'a VisibilityBuffer,
-    lighting: &'a Lighting,
-    patterns: PatternSet,
+pub(super) struct Shader<'a> {
+    pub(super) buffer: &'a VisibilityBuffer,
+    pub(super) lighting: &'a Lighting,
+    pub(super) patterns: PatternSet,
     /// Film value per radiance.
-    exposure: f32,
+    pub(super) exposure: f32,
     /// Width of a pixel at a depth of a metre.
-    per_focal: f32,
-    camera: Vec3,
-    film: Film,
-    vignette: Vignette,
+    pub(super) per_focal: f32,
+    pub(super) camera: Vec3,
+    pub(super) film: Film,
+    pub(super) vignette: Vignette,
     /// What makes white things white.
-    balance: Vec3,
-    hazy: bool,
+    pub(super) balance: Vec3,
+    pub(super) hazy: bool,
     /// Film value of fog.
-    veil: Vec3,
+    pub(super) veil: Vec3,
     /// Film value of a white surface, by the sky's ambient terms.
-    ambient: [Vec3; 4],
+    pub(super) ambient: [Vec3; 4],
     /// Film value of a white surface by sunlight that comes back from what it falls on.
-    bounced: Vec3,
+    pub(super) bounced: Vec3,
     /// Film value of a white surface that faces the sun.
-    key: Vec3,
+    pub(super) key: Vec3,
     /// What wet ground mirrors, when the rest is painted.
-    mirror: Option<Mirror>,
+    pub(super) mirror: Option<Mirror>,
 }
 
-impl Shader<'_> {
+impl<'a> Shader<'a> {
+    pub(super) fn new(view: &CameraView, buffer: &'a VisibilityBuffer, lighting: &'a Lighting) -> Self {
+        let exposure = lighting.exposure.per_radiance(view.settings.f_stop);
+        let of_white = exposure / std::f32::consts::PI;
+        Self {
+            buffer,
+            lighting,
+            patterns: PatternSet::get(),
+            exposure,
+            per_focal: 1.0 / buffer.camera.fx,
+            camera: Vec3::from(buffer.camera.local_from_optical.translation),
+            film: Film::new(),
+            vignette: Vignette::new(buffer.width, buffer.height, view.settings.vignetting as f32),
+            balance: lighting.exposure.balance(view.settings.white_balance),
+            hazy: !lighting.fog.is_clear(),
+            veil: lighting.fog.rgb * exposure,
+            ambient: lighting.sky.ambient.map(|a| a * of_white),
+            bounced: lighting.sky.bounced_klx() * of_white,
+            key: lighting.sky.key_klx * of_white,
+            mirror: None,
+        }
+    }
+
+    /// Paints a row but for wet ground, which mirrors the rest: the spans that are left for it.
+    ///
+    /// # Errors
+    /// The renderer failed behind panes.
+    pub(super) fn paint_dry(
+        &self,
+        surfaces: &Surfaces<'_>,
+        panes: Option<&Panes<'_>>,
+        row: Row<'_>,
+    ) -> Result<Vec<WetSpan>, RenderError> {
+        let Row { y, rgb, bright } = row;
+        let pixels = rgb.as_chunks_mut::<3>().0;
+        let is_wet = self.lighting.around.are_wet();
+        let mut wet = Vec::new();
+        let behind = panes.map_or(Ok(Vec::new()), |panes| behind_row(panes, self.buffer, y))?;
+        let mut behind = behind.as_slice();
+        surfaces.for_each_span(y, |columns, triangle| {
+            let pixels = &mut pixels[columns.start as usize..columns.end as usize];
+            let span = Span { first: columns.start, y, pixels, bright };
+            let is_pane =
+                |t: &SurfaceTriangle<'_, '_>| panes.is_some_and(|p| p.is_pane(t.instance, t.triangle));
+            match triangle {
+                Some(triangle) if is_pane(triangle) => {
+                    let (here, others) = behind.split_at(columns.len());
+                    behind = others;
+                    self.paint_pane(span, triangle, surfaces, here);
+                }
+                Some(triangle) if is_wet && gets_wet(triangle.part, triangle.normal_local) => {
+                    let (instance, triangle) = (triangle.instance, triangle.triangle);
+                    wet.push(WetSpan { first: columns.start, end: columns.end, instance, triangle });
+                }
+                Some(triangle) => self.paint(span, triangle),
+                None => self.paint_sky(span),
+            }
+        });
+        Ok(wet)
+    }
+
+    /// Paints the wet ground of a row.
+    pub(super) fn paint_wet(&self, surfaces: &Surfaces<'_>, wet: &[WetSpan], row: Row<'_>) {
+        let Row { y, rgb, bright } = row;
+        let pixels = rgb.as_chunks_mut::<3>().0;
+        for span in wet {
+            let Some(triangle) = surfaces.facet(span.instance, span.triangle) else { continue };
+            let pixels = &mut pixels[span.first as usize..span.end as usize];
+            self.paint(Span { first: span.first, y, pixels, bright: &mut *bright }, &triangle);
+        }
+    }
+
     /// Paints what shows the sky.
     fn paint_sky(&self, mut span: Span<'_>) {
         for from in (0..span.pixels.len()).step_by(LANES) {
