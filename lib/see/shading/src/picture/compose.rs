@@ -67,8 +67,8 @@ impl Picture {
         Ok(picture)
     }
 
-    /// What is between the camera and what it sees, and what the lens makes of bright and sharp things: spray,
-    /// bloom, smooth edges, blur and rain, in this order.
+    /// What is between the camera and what it sees, and what the lens makes of bright and sharp things:
+    /// spray, bloom, smooth edges, blur and rain, in this order.
     fn add_air_and_lens(
         &mut self,
         shader: &Shader<'_>,
