@@ -1,6 +1,6 @@
 //! Time of each part of an agent's frame on a small street; `visibility` has its own benches.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/sensors/common/mod.rs"]
 mod common;
 
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Draws a small street in several weathers: `cargo run -p convoy-sensors --example pictures -- FOLDER`.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/sensors/common/mod.rs"]
 mod common;
 
 use std::error::Error;

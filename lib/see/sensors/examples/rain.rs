@@ -1,7 +1,7 @@
 //! Draws fast traffic on a wet street, through drops on the lens, at some frames:
 //! `cargo run -p convoy-sensors --example rain -- FOLDER`.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/sensors/common/mod.rs"]
 mod common;
 
 use std::error::Error;

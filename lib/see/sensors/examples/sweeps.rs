@@ -1,7 +1,7 @@
 //! Draws lidar sweeps of a street from above:
 //! `cargo run -p convoy-sensors --release --example sweeps -- FOLDER`.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/sensors/common/mod.rs"]
 mod common;
 
 use std::error::Error;

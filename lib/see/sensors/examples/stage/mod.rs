@@ -1,7 +1,7 @@
 //! A plane in the sun on which examples put actors.
 #![allow(dead_code, reason = "each example needs a part of it")]
 
-#[path = "../../tests/common/mod.rs"]
+#[path = "../../tests/sensors/common/mod.rs"]
 mod common;
 
 use std::error::Error;

@@ -1,8 +1,6 @@
 //! Pictures are smeared by motion and blurred out of focus when the configuration says so.
 
-mod common;
-
-use common::{Builder, at, film, optics, picture, set_view, snapshot, street};
+use crate::common::{MeshBuilder, at, film, optics, picture, set_view, snapshot, street};
 use glam::{Affine3A, Vec3};
 use schema::Tag;
 use schema::geometry::{Instance, Snapshot, Surface};
@@ -18,16 +16,16 @@ fn settings() -> CameraSettings {
 /// A white board 10.6 m ahead, 4 m wide, that came so far to the right in a frame; 40 m ahead a black wall.
 fn passing(moved_m: f32) -> Snapshot {
     let board = |half_m: f32, rgb: [f32; 3]| {
-        let mut b = Builder::default();
+        let mut b = MeshBuilder::default();
         let part = b.part(Tag::Building, Surface::Plain, rgb);
         let corner = |y: f32, z: f32| Vec3::new(0.0, half_m * y, half_m * z);
         b.quad(part, [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)]);
-        b.done()
+        b.finish()
     };
     let here = at(10.6, 0.0, 1.6, 0.0);
     let came = Affine3A::from_translation(Vec3::new(0.0, moved_m, 0.0)) * here;
-    let white = Instance { previous_local_from_object: came, ..common::instance(0, 7, here) };
-    let black = common::instance(1, 8, at(40.6, 0.0, 1.6, 0.0));
+    let white = Instance { previous_local_from_object: came, ..crate::common::instance(0, 7, here) };
+    let black = crate::common::instance(1, 8, at(40.6, 0.0, 1.6, 0.0));
     snapshot(vec![board(2.0, [0.7; 3]), board(60.0, [0.0; 3])], vec![white, black])
 }
 

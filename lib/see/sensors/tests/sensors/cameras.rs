@@ -1,10 +1,8 @@
 //! Camera images against closed forms.
 
-mod common;
-
 use std::collections::{BTreeMap, BTreeSet};
 
-use common::{
+use crate::common::{
     at, block, camera, encoded, grey_sight, instance, optics, plane, sight, snapshot, standing_view, street,
     with_scene,
 };

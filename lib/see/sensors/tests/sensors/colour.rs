@@ -1,11 +1,11 @@
 //! Colour pictures: how they follow light and lens, and one picture to compare with.
 
-mod common;
-
 use std::fs::File;
 use std::path::PathBuf;
 
-use common::{film, grey_sight, optics, picture, set_view, snapshot, standing_view, street, with_scene};
+use crate::common::{
+    film, grey_sight, optics, picture, set_view, snapshot, standing_view, street, with_scene,
+};
 use schema::geometry::{Snapshot, Surface, Wall};
 use schema::tables::Weather;
 use schema::{Tag, lights};
@@ -215,7 +215,7 @@ fn an_empty_world_is_sky() {
     let sight =
         with_scene(&empty, |scene| grey_sight(scene, &standing_view([0.0; 3], [0.0; 3], optics(17, 6))));
     assert!(sensors::pixel_counts(&empty, &sight.seen).is_empty());
-    let tags = common::encoded::<schema::images::Semantic>(&empty, &sight);
+    let tags = crate::common::encoded::<schema::images::Semantic>(&empty, &sight);
     let mut reader = png::Decoder::new(std::io::Cursor::new(tags)).read_info().expect("is PNG");
     let mut rgb = vec![0; reader.output_buffer_size().expect("is small")];
     reader.next_frame(&mut rgb).expect("has an image");

@@ -1,8 +1,6 @@
 //! What gathers along kerbs lies on their side of a lane, near them, and nowhere else.
 
-mod common;
-
-use common::{Builder, at, film, instance, optics, picture, set_view, snapshot};
+use crate::common::{MeshBuilder, at, film, instance, optics, picture, set_view, snapshot};
 use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{Kerbs, Snapshot, Surface};
@@ -13,13 +11,13 @@ const WIDTH_M: f32 = 3.5;
 
 /// A lane along x, its right border at y = -1.75 m, in pieces of 4 m as maps have them.
 fn lane(surface: Surface) -> Snapshot {
-    let mut lane = Builder::default();
+    let mut lane = MeshBuilder::default();
     let part = lane.part(Tag::Road, surface, [0.085, 0.085, 0.09]);
     let corner = |k: i32, share: f32| Vec3::new(4.0 * k as f32, (share - 0.5) * WIDTH_M, 0.0);
     for k in -2..12 {
         lane.quad(part, [corner(k, 0.0), corner(k + 1, 0.0), corner(k + 1, 1.0), corner(k, 1.0)]);
     }
-    snapshot(vec![lane.done()], vec![instance(0, 1, at(0.0, 0.0, 0.0, 0.0))])
+    snapshot(vec![lane.finish()], vec![instance(0, 1, at(0.0, 0.0, 0.0, 0.0))])
 }
 
 /// Brightness on the film over 48 m of the lane, in strips of 0.25 m from its right border on.

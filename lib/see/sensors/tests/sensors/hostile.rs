@@ -1,11 +1,9 @@
 //! Settings and worlds that make no sense, and renderers that fail: answered by errors or readings, never by
 //! panics.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{first_frame, optics, picture, set_view, standing_view, street, with_scene};
+use crate::common::{first_frame, optics, picture, set_view, standing_view, street, with_scene};
 use frames::{Agent, Pose, World};
 use glam::{Affine3A, Vec3};
 use nalgebra::Vector3;
@@ -90,8 +88,8 @@ fn odd_lenses_and_weathers_still_give_pictures() {
         let lost = CameraSettings { jpeg_quality: quality, ..settings.clone() };
         let mut view = set_view([0.0; 3], [0.0; 3], optics.clone(), &lost);
         view.local_from_optical.translation.x = f32::NAN;
-        let sight = with_scene(&street, |scene| common::sight(scene, &view, &Weather::default()));
-        assert!(!common::encoded::<schema::images::Rgb>(&street, &sight).is_empty());
+        let sight = with_scene(&street, |scene| crate::common::sight(scene, &view, &Weather::default()));
+        assert!(!crate::common::encoded::<schema::images::Rgb>(&street, &sight).is_empty());
     }
 }
 

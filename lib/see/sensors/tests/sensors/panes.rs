@@ -1,8 +1,6 @@
 //! Colour looks through panes; nothing else does.
 
-mod common;
-
-use common::{at, block, instance, optics, set_view, sight, snapshot, with_scene};
+use crate::common::{at, block, instance, optics, set_view, sight, snapshot, with_scene};
 use schema::Tag;
 use schema::geometry::{Instance, Snapshot, Surface};
 use schema::lights;
@@ -41,7 +39,7 @@ fn seen(scene: &Snapshot) -> Sight {
 /// Film values of the pixel at a share of the width, halfway up.
 fn film(picture: &Picture, x: f64) -> [f64; 3] {
     let at = (picture.height / 2 * picture.width) as usize + (x * f64::from(picture.width)) as usize;
-    [0, 1, 2].map(|c| common::film(picture.rgb[3 * at + c]))
+    [0, 1, 2].map(|c| crate::common::film(picture.rgb[3 * at + c]))
 }
 
 #[test]

@@ -1,8 +1,6 @@
 //! Every sensor through a second renderer, which tries each triangle: readings are the same.
 
-mod common;
-
-use common::{at, block, first_frame, instance, optics, plane, prepared, snapshot};
+use crate::common::{at, block, first_frame, instance, optics, plane, prepared, snapshot};
 use frames::{Agent, Pose, World};
 use glam::Affine3A;
 use nalgebra::Vector3;

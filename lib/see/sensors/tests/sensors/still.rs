@@ -1,9 +1,7 @@
 //! Shadow maps of static objects are kept: pictures are as without them, and never depend on which camera
 //! asked first.
 
-mod common;
-
-use common::{first_frame, optics, standing_view, street, with_scene};
+use crate::common::{first_frame, optics, standing_view, street, with_scene};
 use frames::{LocalOrigin, Pose, World};
 use glam::{DVec3, Vec3A};
 use render::cpu::CpuRenderer;

@@ -1,9 +1,7 @@
 //! Wet ground mirrors the objects on it; no other output of cameras depends on the rain.
 
-mod common;
-
-use common::{
-    Builder, at, film, instance, optics, picture, set_view, sight, snapshot, standing_view, street,
+use crate::common::{
+    MeshBuilder, at, film, instance, optics, picture, set_view, sight, snapshot, standing_view, street,
     with_scene,
 };
 use glam::Vec3;
@@ -31,11 +29,11 @@ fn soaked() -> Weather {
 /// Asphalt, and over it a board that faces the camera: how far away, its left and right end, its lower and
 /// upper one.
 fn board([away_m, left_m, right_m, low_m, high_m]: [f32; 5], rgb: [f32; 3]) -> Snapshot {
-    let mut ground = Builder::default();
+    let mut ground = MeshBuilder::default();
     let part = ground.part(Tag::Road, Surface::Asphalt, [0.1; 3]);
     let corner = |x: f32, y: f32| Vec3::new(90.0 * x, 90.0 * y, 0.0);
     ground.quad(part, [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
-    let mut board = Builder::default();
+    let mut board = MeshBuilder::default();
     let part = board.part(Tag::Building, Surface::Plain, rgb);
     let corner = |y: f32, z: f32| Vec3::new(away_m, y, z);
     board.quad(
@@ -43,7 +41,7 @@ fn board([away_m, left_m, right_m, low_m, high_m]: [f32; 5], rgb: [f32; 3]) -> S
         [corner(right_m, low_m), corner(right_m, high_m), corner(left_m, high_m), corner(left_m, low_m)],
     );
     let here = at(0.0, 0.0, 0.0, 0.0);
-    snapshot(vec![ground.done(), board.done()], vec![instance(0, 1, here), instance(1, 2, here)])
+    snapshot(vec![ground.finish(), board.finish()], vec![instance(0, 1, here), instance(1, 2, here)])
 }
 
 fn plain() -> CameraSettings {
@@ -128,9 +126,13 @@ fn labels_know_no_rain_and_pictures_no_threads() {
     let (wet, dry) = (looked(&rain), looked(&Weather::default()));
     assert!(wet.picture != dry.picture);
     assert!(wet.seen == dry.seen);
-    assert!(common::encoded::<Depth>(&scene, &wet) == common::encoded::<Depth>(&scene, &dry));
-    assert!(common::encoded::<Semantic>(&scene, &wet) == common::encoded::<Semantic>(&scene, &dry));
-    assert!(common::encoded::<Instance>(&scene, &wet) == common::encoded::<Instance>(&scene, &dry));
+    assert!(crate::common::encoded::<Depth>(&scene, &wet) == crate::common::encoded::<Depth>(&scene, &dry));
+    assert!(
+        crate::common::encoded::<Semantic>(&scene, &wet) == crate::common::encoded::<Semantic>(&scene, &dry)
+    );
+    assert!(
+        crate::common::encoded::<Instance>(&scene, &wet) == crate::common::encoded::<Instance>(&scene, &dry)
+    );
     for threads in [1, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("starts");
         assert!(pool.install(|| looked(&rain)).picture == wet.picture, "{threads} threads");
@@ -229,7 +231,7 @@ fn drops_on_the_lens_change_colour_alone_and_only_when_it_rains() {
             };
             let agent = sensors::AgentState { own: 1, motion: still, previous: None };
             let painter = shading::CpuPainter::default();
-            let when = shading::FrameWeather { frame, ..common::first_frame(weather) };
+            let when = shading::FrameWeather { frame, ..crate::common::first_frame(weather) };
             let cameras = sensors::Cameras::of(&rig).expect("is a camera");
             let at =
                 sensors::Observation::new(scene, Some(&painter), &cameras, &when, agent).expect("no device");

@@ -14,7 +14,7 @@ use schema::{ImageSet, Tag, lights};
 use sensors::{Camera, Image, Sight};
 use settings::{CameraSettings, CameraSpec, Mount, Optics};
 use shading::{CpuPainter, FrameWeather, Lighting, Painter, Picture, Sky};
-pub(crate) use testkit::{block, instance, plane, snapshot};
+pub(crate) use testkit::{MeshBuilder, block, instance, plane, snapshot};
 
 /// A renderer with a snapshot's meshes.
 pub(crate) fn prepared(snapshot: &Snapshot) -> CpuRenderer {
@@ -100,84 +100,12 @@ pub(crate) fn lighting(scene: &dyn Scene, weather: &Weather) -> Lighting {
     Lighting::new(scene, sky, weather, Vec3::ZERO).expect("has no device")
 }
 
-/// Collects triangles part by part.
-#[derive(Default)]
-pub(crate) struct Builder(pub(crate) TriMesh);
-
-impl Builder {
-    pub(crate) fn part(&mut self, tag: Tag, surface: Surface, rgb: [f32; 3]) -> u8 {
-        self.0.parts.push(MeshPart { tag, surface, rgb });
-        (self.0.parts.len() - 1) as u8
-    }
-
-    /// A quadrilateral, corners counter-clockwise from outside.
-    pub(crate) fn quad(&mut self, part: u8, corners: [Vec3; 4]) {
-        let first = self.0.positions.len() as u32;
-        self.0.positions.extend(corners);
-        self.0.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-        self.0.triangle_part.extend([part, part]);
-    }
-
-    /// A frustum: a box whose top may be smaller and shifted.
-    pub(crate) fn frustum(&mut self, part: u8, bottom: [f32; 4], z0: f32, top: [f32; 4], z1: f32) {
-        let ring = |[x0, x1, y0, y1]: [f32; 4], z: f32| {
-            [Vec3::new(x0, y0, z), Vec3::new(x1, y0, z), Vec3::new(x1, y1, z), Vec3::new(x0, y1, z)]
-        };
-        let (b, t) = (ring(bottom, z0), ring(top, z1));
-        for i in 0..4 {
-            let j = (i + 1) % 4;
-            self.quad(part, [b[i], b[j], t[j], t[i]]);
-        }
-        self.quad(part, t);
-        self.quad(part, [b[3], b[2], b[1], b[0]]);
-    }
-
-    pub(crate) fn cuboid(&mut self, part: u8, min: [f32; 3], max: [f32; 3]) {
-        let sides = [min[0], max[0], min[1], max[1]];
-        self.frustum(part, sides, min[2], sides, max[2]);
-    }
-
-    /// A ball, or an egg.
-    pub(crate) fn ball(&mut self, part: u8, centre: Vec3, radius: Vec3, rings: u32) {
-        let at = |i: u32, j: u32| {
-            let (s, c) = frames::math::f32::sin_cos(std::f32::consts::PI * i as f32 / rings as f32);
-            let (sa, ca) = frames::math::f32::sin_cos(std::f32::consts::PI * j as f32 / rings as f32);
-            centre + radius * Vec3::new(s * ca, s * sa, c)
-        };
-        for i in 0..rings {
-            for j in 0..2 * rings {
-                self.quad(part, [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
-            }
-        }
-    }
-
-    /// A wheel: a disc with its axle along y.
-    pub(crate) fn wheel(&mut self, part: u8, centre: Vec3, radius: f32, width: f32) {
-        let n = 14;
-        let at = |i: u32, y: f32| {
-            let (s, c) = frames::math::f32::sin_cos(std::f32::consts::TAU * i as f32 / n as f32);
-            centre + Vec3::new(radius * c, y, radius * s)
-        };
-        for i in 0..n {
-            let (l, r) = (-0.5 * width, 0.5 * width);
-            self.quad(part, [at(i, l), at(i + 1, l), at(i + 1, r), at(i, r)]);
-            for y in [l, r] {
-                self.quad(part, [centre + Vec3::Y * y, at(i, y), at(i + 1, y), centre + Vec3::Y * y]);
-            }
-        }
-    }
-
-    pub(crate) fn done(self) -> Arc<TriMesh> {
-        Arc::new(self.0)
-    }
-}
-
 pub(crate) fn at(x: f32, y: f32, z: f32, yaw: f32) -> Affine3A {
     Affine3A::from_translation(Vec3::new(x, y, z)) * Affine3A::from_rotation_z(yaw)
 }
 
 fn ground() -> Arc<TriMesh> {
-    let mut b = Builder::default();
+    let mut b = MeshBuilder::default();
     let grass = b.part(Tag::Terrain, Surface::Grass, [0.09, 0.14, 0.035]);
     let road = b.part(Tag::Road, Surface::Asphalt, [0.075, 0.075, 0.078]);
     let walk = b.part(Tag::Sidewalk, Surface::Concrete, [0.34, 0.33, 0.31]);
@@ -210,18 +138,18 @@ fn ground() -> Arc<TriMesh> {
             b.cuboid(walk, [x0, y0, -0.3], [x1, y1, 0.15]);
         }
     }
-    b.done()
+    b.finish()
 }
 
 fn house(length: f32, depth: f32, height: f32, rgb: [f32; 3]) -> Arc<TriMesh> {
-    let mut b = Builder::default();
+    let mut b = MeshBuilder::default();
     let wall = b.part(Tag::Building, Surface::Facade(Wall::Plaster), rgb);
     b.cuboid(wall, [-0.5 * length, -0.5 * depth, 0.0], [0.5 * length, 0.5 * depth, height]);
-    b.done()
+    b.finish()
 }
 
 fn tree(height: f32) -> Arc<TriMesh> {
-    let mut b = Builder::default();
+    let mut b = MeshBuilder::default();
     let trunk = b.part(Tag::Vegetation, Surface::Wood, [0.12, 0.085, 0.06]);
     let leaves = b.part(Tag::Vegetation, Surface::Foliage, [0.09, 0.17, 0.035]);
     b.frustum(trunk, [-0.2, 0.2, -0.2, 0.2], 0.0, [-0.1, 0.1, -0.1, 0.1], 0.5 * height);
@@ -231,11 +159,11 @@ fn tree(height: f32) -> Arc<TriMesh> {
         let centre = Vec3::new(spread * c, spread * s, height * (0.62 + 0.05 * (i % 3) as f32));
         b.ball(leaves, centre, Vec3::new(0.21, 0.21, 0.19) * height, 9);
     }
-    b.done()
+    b.finish()
 }
 
 fn car() -> Arc<TriMesh> {
-    let mut b = Builder::default();
+    let mut b = MeshBuilder::default();
     let paint = b.part(Tag::Car, Surface::Paint, [0.5; 3]);
     let glass = b.part(Tag::Car, Surface::Glass, [0.02; 3]);
     let tyre = b.part(Tag::Car, Surface::Rubber, [0.02; 3]);
@@ -256,21 +184,21 @@ fn car() -> Arc<TriMesh> {
         b.cuboid(head, [2.2, y - 0.18, 0.6], [2.3, y + 0.18, 0.72]);
         b.cuboid(tail, [-2.33, y - 0.2, 0.65], [-2.25, y + 0.2, 0.78]);
     }
-    b.done()
+    b.finish()
 }
 
 fn street_lamp() -> Arc<TriMesh> {
-    let mut b = Builder::default();
+    let mut b = MeshBuilder::default();
     let pole = b.part(Tag::Pole, Surface::Metal, [0.25; 3]);
     let lamp = b.part(Tag::Pole, Surface::Lamp(lights::STREET_LAMP), [1.0, 0.82, 0.55]);
     b.frustum(pole, [-0.08, 0.08, -0.08, 0.08], 0.0, [-0.05, 0.05, -0.05, 0.05], 7.0);
     b.cuboid(pole, [-0.05, -0.05, 6.95], [2.0, 0.05, 7.05]);
     b.cuboid(lamp, [1.3, -0.12, 6.85], [2.0, 0.12, 6.95]);
-    b.done()
+    b.finish()
 }
 
 fn walker() -> Arc<TriMesh> {
-    let mut b = Builder::default();
+    let mut b = MeshBuilder::default();
     let skin = b.part(Tag::Pedestrian, Surface::Cloth, [0.45, 0.28, 0.2]);
     let coat = b.part(Tag::Pedestrian, Surface::Cloth, [0.25, 0.05, 0.05]);
     let legs = b.part(Tag::Pedestrian, Surface::Cloth, [0.03, 0.04, 0.08]);
@@ -279,16 +207,16 @@ fn walker() -> Arc<TriMesh> {
     for y in [-0.1f32, 0.1] {
         b.frustum(legs, [-0.06, 0.08, y - 0.06, y + 0.06], 0.0, [-0.09, 0.09, y - 0.09, y + 0.09], 0.85);
     }
-    b.done()
+    b.finish()
 }
 
 fn sign() -> Arc<TriMesh> {
-    let mut b = Builder::default();
+    let mut b = MeshBuilder::default();
     let pole = b.part(Tag::Pole, Surface::Metal, [0.5; 3]);
     let face = b.part(Tag::TrafficSign, Surface::Plain, [0.6, 0.04, 0.04]);
     b.cuboid(pole, [-0.03, -0.03, 0.0], [0.03, 0.03, 2.6]);
     b.cuboid(face, [-0.06, -0.35, 1.9], [-0.03, 0.35, 2.6]);
-    b.done()
+    b.finish()
 }
 
 /// A crossing with houses, trees, parked and moving cars, lamps and people; the camera belongs at the origin,

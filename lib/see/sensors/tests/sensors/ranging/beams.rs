@@ -7,8 +7,8 @@ use schema::{ReturnKind, Tag};
 use sensors::{Lidar, LidarMoment, LidarSweep, OfBeam};
 use settings::{BeamSpec, LidarSpec, Returned, ScanPattern};
 
-use super::common::{at, block, instance, prepared, snapshot, street};
 use super::stream;
+use crate::common::{at, block, instance, prepared, snapshot, street};
 
 const ALL: Returned = Returned { first: true, strongest: true, last: true };
 

@@ -1,14 +1,12 @@
 //! Lidar and radar against closed forms and statistics.
 
 mod beams;
-#[path = "../common/mod.rs"]
-mod common;
 mod rolling;
 mod sections;
 mod twins;
 mod weather;
 
-use common::{at, block, instance, plane, prepared, snapshot, street, with_scene};
+use crate::common::{at, block, instance, plane, prepared, snapshot, street, with_scene};
 use glam::{Affine3A, Vec3};
 use random::Stream;
 use render::{RayBatch, RayQuery, Renderer, Scene};
@@ -336,11 +334,12 @@ fn brightness_is_the_surfaces_reflectance_at_905_nm() {
     };
     for (tag, surface, rgb, reflectance, mirrored) in cases {
         for turn_deg in [0.0, 60.0] {
-            let mut wall = common::Builder::default();
+            let mut wall = crate::common::MeshBuilder::default();
             let part = wall.part(tag, surface, rgb);
             wall.cuboid(part, [0.0, -20.0, -5.0], [0.1, 20.0, 5.0]);
             let turn = frames::deg(turn_deg);
-            let snapshot = snapshot(vec![wall.done()], vec![instance(0, 4, at(10.0, 0.0, 0.0, turn as f32))]);
+            let snapshot =
+                snapshot(vec![wall.finish()], vec![instance(0, 4, at(10.0, 0.0, 0.0, turn as f32))]);
             let sweep = with_scene(&snapshot, |scene| sweep(&one_ray, scene, Affine3A::IDENTITY, 0));
             assert_eq!(sweep.len(), 1);
             let cosine = frames::math::cos(turn);

@@ -7,8 +7,8 @@ use schema::geometry::{Instance, Snapshot, Surface};
 use sensors::{Lidar, LidarMoment, LidarSweep, SensorPath};
 use settings::{LidarSpec, RollingScan, ScanPattern};
 
-use super::common::{at, block, instance, prepared, snapshot, street};
 use super::stream;
+use crate::common::{at, block, instance, prepared, snapshot, street};
 
 const COLUMNS: u32 = 120;
 /// Half the field of view, radians.

@@ -8,8 +8,8 @@ use render::Renderer;
 use sensors::RadarMotion;
 use settings::{RadarSpec, Rig};
 
-use super::common::{at, instance, prepared, snapshot};
 use super::radar;
+use crate::common::{at, instance, prepared, snapshot};
 
 /// All returns of a model together, dBsm: from 25 m off and 0.6 m up, over angles 5 degrees to either side of
 /// a view.

@@ -17,8 +17,8 @@ use sensors::{
 use settings::{BeamSpec, LidarSpec, Mount, Returned, Rig, RollingScan, ScanPattern, WeatherSpec};
 use shading::FrameWeather;
 
-use super::common::{at, block, first_frame, instance, prepared, street};
 use super::{small, stream};
+use crate::common::{at, block, first_frame, instance, prepared, street};
 
 /// The street, with a car-sized shell of glass that drives by and holds a seat.
 fn glassy() -> Snapshot {

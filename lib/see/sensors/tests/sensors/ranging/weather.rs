@@ -11,8 +11,8 @@ use schema::{ReturnKind, Tag};
 use sensors::{Lidar, LidarMoment, LidarSweep};
 use settings::{BeamSpec, LidarSpec, Returned, ScanPattern, WeatherSpec};
 
-use super::common::{at, block, instance, prepared, snapshot};
 use super::stream;
+use crate::common::{at, block, instance, prepared, snapshot};
 
 const REACH_M: f64 = 120.0;
 const DETECTED: f64 = 0.1;
