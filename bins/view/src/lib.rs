@@ -5,6 +5,7 @@
 //! excerpt is the same page with a small store inside it, as one file.
 
 mod embed;
+mod error;
 mod http;
 mod listing;
 mod open;
@@ -13,11 +14,13 @@ mod paths;
 mod server;
 mod site;
 
-use std::path::PathBuf;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use embed::Excerpt;
+use error::{ViewError, of_file};
 use server::Server;
 use site::Site;
 
@@ -60,7 +63,7 @@ pub fn run(args: &ViewArgs) -> u8 {
     let site = match Site::open(&args.store) {
         Ok(site) => site,
         Err(fault) => {
-            complain(&fault.to_string());
+            complain(&fault);
             return CODES[2];
         }
     };
@@ -77,8 +80,8 @@ pub fn run(args: &ViewArgs) -> u8 {
     }
 }
 
-fn serve(args: &ViewArgs, site: Site) -> Result<(), String> {
-    let server = Server::bind(args.port, site).map_err(|e| format!("port {}: {e}", args.port))?;
+fn serve(args: &ViewArgs, site: Site) -> Result<(), ViewError> {
+    let server = Server::bind(args.port, site).map_err(|e| ViewError::Port(args.port, e))?;
     let address = server.address();
     say(&format!("{} is shown at {address} (Ctrl-C ends it)", args.store.display()));
     if !args.no_open && !open::in_browser(&address) {
@@ -88,15 +91,15 @@ fn serve(args: &ViewArgs, site: Site) -> Result<(), String> {
     Ok(())
 }
 
-fn write_excerpt(args: &ViewArgs, site: &Site, file: &std::path::Path) -> Result<(), String> {
+fn write_excerpt(args: &ViewArgs, site: &Site, file: &Path) -> Result<(), ViewError> {
     let excerpt = Excerpt {
         scene: args.scene.unwrap_or_default(),
         frames: args.frames,
         agents: args.agents.clone(),
         cameras: args.cameras.clone(),
     };
-    let page = excerpt.page(site).map_err(|e| e.to_string())?;
-    std::fs::write(file, &page.html).map_err(|e| format!("{}: {e}", file.display()))?;
+    let page = excerpt.page(site)?;
+    std::fs::write(file, &page.html).map_err(of_file(file))?;
     say(&format!("{}: {}, {:.1} MB", file.display(), page.what, page.html.len() as f64 / 1e6));
     Ok(())
 }
@@ -108,14 +111,13 @@ fn frame_range(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "expected two numbers as 0..20, the second one greater".to_owned())
 }
 
-#[allow(clippy::print_stdout, reason = "the address is what it has to say")]
+/// Prints a line, if anybody still reads (a closed pipe is no error).
 fn say(text: &str) {
-    println!("{text}");
+    let _ = writeln!(std::io::stdout(), "{text}");
 }
 
-#[allow(clippy::print_stderr, reason = "it has no other words")]
-fn complain(fault: &str) {
-    eprintln!("error: {fault}");
+fn complain(fault: &ViewError) {
+    let _ = writeln!(std::io::stderr(), "error: {fault}");
 }
 
 #[cfg(test)]

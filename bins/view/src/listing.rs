@@ -6,6 +6,7 @@ use std::path::Path;
 use schema::{BevClass, DetectionClass, FORMAT_VERSION, FRAME_PERIOD_S, Tag};
 use serde_json::{Value, json};
 
+use crate::error::{ViewError, of_file};
 use crate::paths;
 
 /// Stages whose manifests a finished scene has, in their order.
@@ -29,7 +30,7 @@ pub(crate) fn names() -> Value {
 ///
 /// # Errors
 /// The list of scenes cannot be read.
-pub(crate) fn store(root: &Path, named: &Path) -> Result<Value, String> {
+pub(crate) fn store(root: &Path, named: &Path) -> Result<Value, ViewError> {
     let folder = named.file_name().or_else(|| root.file_name()).unwrap_or_default().to_string_lossy();
     let name = name(root)?.unwrap_or_else(|| folder.into_owned());
     let mut folders: Vec<String> = match fs::read_dir(root.join("scenes")) {
@@ -59,16 +60,28 @@ pub(crate) fn store(root: &Path, named: &Path) -> Result<Value, String> {
 ///
 /// # Errors
 /// `dataset.json` cannot be read.
-pub(crate) fn name(root: &Path) -> Result<Option<String>, String> {
+pub(crate) fn name(root: &Path) -> Result<Option<String>, ViewError> {
     let dataset = read_json(&root.join("dataset.json"))?;
     Ok(dataset["config"]["name"].as_str().map(str::to_owned))
+}
+
+/// Refuses a store whose files may look otherwise.
+///
+/// # Errors
+/// It has another format than this program shows, or `dataset.json` cannot be read.
+pub(crate) fn check_format(root: &Path) -> Result<(), ViewError> {
+    let dataset = read_json(&root.join("dataset.json"))?;
+    match dataset["format_version"].as_u64() {
+        Some(found) if found != u64::from(FORMAT_VERSION) => Err(ViewError::Format(root.to_owned(), found)),
+        _ => Ok(()),
+    }
 }
 
 /// A scene's facts and files with their sizes.
 ///
 /// # Errors
 /// There is no such scene, or it has no log yet.
-pub(crate) fn scene(root: &Path, folder: &str) -> Result<Value, String> {
+pub(crate) fn scene(root: &Path, folder: &str) -> Result<Value, ViewError> {
     let info = scene_info(root, folder)?;
     let mut files = Vec::new();
     list(&root.join("scenes").join(folder), "", DEPTH, &mut files);
@@ -79,10 +92,9 @@ pub(crate) fn scene(root: &Path, folder: &str) -> Result<Value, String> {
     Ok(json!({ "info": info, "files": files, "map_bytes": map_bytes }))
 }
 
-pub(crate) fn scene_info(root: &Path, folder: &str) -> Result<Value, String> {
+pub(crate) fn scene_info(root: &Path, folder: &str) -> Result<Value, ViewError> {
     let path = paths::file_below(root, &format!("scenes/{folder}/log/scene.json"));
-    let path =
-        path.ok_or_else(|| format!("scene {folder} has no log yet: make stage STAGE=simulate-and-log"))?;
+    let path = path.ok_or_else(|| ViewError::NoLog(folder.to_owned()))?;
     read_json(&path)
 }
 
@@ -104,7 +116,7 @@ fn list(folder: &Path, prefix: &str, depth: usize, files: &mut Vec<(String, u64)
     }
 }
 
-fn read_json(path: &Path) -> Result<Value, String> {
-    let text = fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
-    serde_json::from_slice(&text).map_err(|e| format!("{}: {e}", path.display()))
+fn read_json(path: &Path) -> Result<Value, ViewError> {
+    let text = fs::read(path).map_err(of_file(path))?;
+    serde_json::from_slice(&text).map_err(of_file(path))
 }

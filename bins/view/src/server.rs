@@ -121,7 +121,7 @@ fn answer(request: &Request, port: u16, site: &Site, out: &mut impl Write) -> io
     }
     let policy = if path.starts_with("/store/") { FILE_POLICY } else { PAGE_POLICY };
     match site.content(path) {
-        Err(why) => Head::new("404 Not Found").write_text(out, &why, with_body),
+        Err(why) => Head::new("404 Not Found").write_text(out, &why.to_string(), with_body),
         Ok(Content::Text(text, media_type)) => {
             let head =
                 Head::new("200 OK").with("Content-Type", media_type).with("Content-Security-Policy", policy);

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use crate::error::{ViewError, of_file};
 use crate::{listing, page, paths};
 
 /// A store that is shown.
@@ -26,25 +27,17 @@ pub(crate) enum Content {
     File { file: File, size: u64, media_type: &'static str },
 }
 
-/// There is no store to show.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum NoStore {
-    #[error("{0}: {1}")]
-    NoFolder(PathBuf, io::Error),
-    #[error("{0} is no store: it has no dataset.json (make dataset STORE=... makes one)")]
-    NoDataset(PathBuf),
-}
-
 impl Site {
     /// Opens a store.
     ///
     /// # Errors
-    /// There is no such folder, or it is no store.
-    pub(crate) fn open(folder: &Path) -> Result<Self, NoStore> {
-        let root = fs::canonicalize(folder).map_err(|e| NoStore::NoFolder(folder.to_owned(), e))?;
+    /// There is no such folder, it is no store, or one of another format.
+    pub(crate) fn open(folder: &Path) -> Result<Self, ViewError> {
+        let root = fs::canonicalize(folder).map_err(of_file(folder))?;
         if !root.join("dataset.json").is_file() {
-            return Err(NoStore::NoDataset(folder.to_owned()));
+            return Err(ViewError::NoDataset(folder.to_owned()));
         }
+        listing::check_format(&root)?;
         Ok(Self { root, named: folder.to_owned() })
     }
 
@@ -55,8 +48,8 @@ impl Site {
     /// What a URL's path stands for, or why there is nothing there.
     ///
     /// # Errors
-    /// A sentence for the user.
-    pub(crate) fn content(&self, path: &str) -> Result<Content, String> {
+    /// There is no such page, scene or file, or it cannot be read.
+    pub(crate) fn content(&self, path: &str) -> Result<Content, ViewError> {
         let text = |text: &str, media_type| Ok(Content::Text(text.to_owned(), media_type));
         match path {
             "/" | "/index.html" => Ok(Content::Text(page::served(), "text/html; charset=utf-8")),
@@ -68,26 +61,26 @@ impl Site {
             _ => match (path.strip_prefix("/api/scenes/"), path.strip_prefix("/store/")) {
                 (Some(name), _) => self.scene(name),
                 (_, Some(name)) => self.file(name),
-                _ => Err("there is nothing here".to_owned()),
+                _ => Err(ViewError::NoPage),
             },
         }
     }
 
-    fn scene(&self, name: &str) -> Result<Content, String> {
+    fn scene(&self, name: &str) -> Result<Content, ViewError> {
         let folder =
             name.strip_suffix(".json").filter(|f| !f.is_empty() && f.bytes().all(|b| b.is_ascii_digit()));
-        let folder = folder.ok_or("there is no such scene")?;
+        let folder = folder.ok_or(ViewError::NoScene)?;
         listing::scene(&self.root, folder).map(|v| json(&v))
     }
 
-    fn file(&self, name: &str) -> Result<Content, String> {
-        let path = paths::file_below(&self.root, name).ok_or("the store has no such file")?;
+    fn file(&self, name: &str) -> Result<Content, ViewError> {
+        let path = paths::file_below(&self.root, name).ok_or(ViewError::NoFile)?;
         let open = || {
             let file = File::open(&path)?;
             let size = file.metadata()?.len();
             Ok::<_, io::Error>(Content::File { file, size, media_type: media_type(&path) })
         };
-        open().map_err(|e| e.to_string())
+        open().map_err(of_file(&path))
     }
 }
 

@@ -8,20 +8,16 @@ use rawzip::path::EntryPath;
 use rawzip::{DataDescriptorOutput, ZipArchive, ZipArchiveWriter, ZipSliceArchive};
 use serde_json::Value;
 
-use super::error::EmbedError;
-
-fn unreadable(path: &Path, why: impl std::fmt::Display) -> EmbedError {
-    EmbedError::Unreadable { path: path.to_owned(), why: why.to_string() }
-}
+use crate::error::{ViewError, of_file};
 
 /// Masks are small: an archive of them is read whole.
-fn open(path: &Path) -> Result<ZipSliceArchive<Vec<u8>>, EmbedError> {
-    let bytes = fs::read(path).map_err(|e| unreadable(path, e))?;
-    ZipArchive::from_slice(bytes).map_err(|e| unreadable(path, e))
+fn open(path: &Path) -> Result<ZipSliceArchive<Vec<u8>>, ViewError> {
+    let bytes = fs::read(path).map_err(of_file(path))?;
+    ZipArchive::from_slice(bytes).map_err(of_file(path))
 }
 
 /// At every how many frames an archive has a member.
-pub(super) fn every_n_frames(path: &Path) -> Result<u64, EmbedError> {
+pub(super) fn every_n_frames(path: &Path) -> Result<u64, ViewError> {
     let archive = open(path)?;
     let about: Option<Value> = serde_json::from_slice(archive.comment().as_bytes()).ok();
     Ok(about.and_then(|a| a["every_n_frames"].as_u64()).filter(|&n| n > 0).unwrap_or(1))
@@ -29,12 +25,12 @@ pub(super) fn every_n_frames(path: &Path) -> Result<u64, EmbedError> {
 
 /// The members of some frames as an archive, named by frames counted from the first one. They are copied as
 /// they are packed.
-pub(super) fn frames(path: &Path, (first, last): (u32, u32)) -> Result<Vec<u8>, EmbedError> {
+pub(super) fn frames(path: &Path, (first, last): (u32, u32)) -> Result<Vec<u8>, ViewError> {
     let archive = open(path)?;
     let mut out = Vec::new();
     let mut writer = ZipArchiveWriter::new(&mut out);
     writer.set_comment(archive.comment().as_bytes());
-    let bad = |e: rawzip::Error| unreadable(path, e);
+    let bad = of_file::<rawzip::Error>(path);
     let mut entries = archive.entries();
     while let Some(record) = entries.next_entry().map_err(bad)? {
         let name = String::from_utf8_lossy(record.file_path().as_ref()).into_owned();
@@ -46,7 +42,7 @@ pub(super) fn frames(path: &Path, (first, last): (u32, u32)) -> Result<Vec<u8>, 
             .new_file(EntryPath::verbatim(name.as_bytes()))
             .compression_method(record.compression_method());
         let (mut entry, _) = file.start().map_err(bad)?;
-        entry.write_all(packed.data()).map_err(|e| unreadable(path, e))?;
+        entry.write_all(packed.data()).map_err(of_file(path))?;
         entry
             .finish(DataDescriptorOutput::new(record.crc32(), record.uncompressed_size_hint()))
             .map_err(bad)?;

@@ -4,7 +4,6 @@
 //! 2^-7 m and intensities to 8 bits. Maps are cut to what comes near the agents. The page says all that.
 
 mod archive;
-mod error;
 mod table;
 
 use std::path::PathBuf;
@@ -13,9 +12,9 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
+use crate::error::ViewError;
 use crate::site::Site;
 use crate::{listing, page, paths};
-pub(crate) use error::EmbedError;
 use table::{Columns, Points, Rows};
 
 /// What journals and mail let pass, bytes.
@@ -87,9 +86,9 @@ impl Excerpt {
     ///
     /// # Errors
     /// There is no such scene, frame, agent or camera; files cannot be read; the page would be too large.
-    pub(crate) fn page(&self, site: &Site) -> Result<Page, EmbedError> {
+    pub(crate) fn page(&self, site: &Site) -> Result<Page, ViewError> {
         let folder = format!("{:04}", self.scene);
-        let whole = listing::scene(site.root(), &folder).map_err(EmbedError::NoSuch)?;
+        let whole = listing::scene(site.root(), &folder)?;
         let cut = self.cut(site, folder, &whole)?;
         let mut pieces = cut.tables()?;
         pieces.extend(cut.masks()?);
@@ -97,7 +96,7 @@ impl Excerpt {
         let fixed = page::embedded(&[]).len() + encoded_len(&pieces) + (16 << 10);
         let room = LIMIT.checked_sub(fixed);
         let kind = if self.cameras.is_empty() { "frames or agents" } else { "cameras or frames" };
-        let room = room.ok_or(EmbedError::TooLarge(fixed as f64 / 1e6, kind))?;
+        let room = room.ok_or(ViewError::TooLarge(fixed as f64 / 1e6, kind))?;
         let (points, keep) = cut.points(room)?;
         pieces.extend(points);
         let what = cut.words(keep);
@@ -107,12 +106,12 @@ impl Excerpt {
         Ok(Page { html: page::embedded(&files), what })
     }
 
-    fn cut<'a>(&'a self, site: &'a Site, folder: String, whole: &Value) -> Result<Cut<'a>, EmbedError> {
+    fn cut<'a>(&'a self, site: &'a Site, folder: String, whole: &Value) -> Result<Cut<'a>, ViewError> {
         let info = &whole["info"];
         let total = info["frames"].as_u64().and_then(|n| u32::try_from(n).ok()).unwrap_or(0);
         let frames = self.frames.unwrap_or((0, FRAMES.min(total)));
         if frames.0 >= frames.1 || frames.1 > total {
-            return Err(EmbedError::NoSuch(format!("scene {} has the frames 0..{total}", self.scene)));
+            return Err(ViewError::NoFrames { scene: self.scene, frames: total });
         }
         let known: Vec<&str> =
             info["agents"].as_array().into_iter().flatten().filter_map(|a| a["agent"].as_str()).collect();
@@ -121,11 +120,11 @@ impl Excerpt {
             Some(agents) => agents.clone(),
         };
         if let Some(other) = agents.iter().find(|a| !known.contains(&a.as_str())) {
-            return Err(EmbedError::NoSuch(format!(
-                "scene {} has no {other}, but {}",
-                self.scene,
-                known.join(", ")
-            )));
+            return Err(ViewError::NoAgent {
+                scene: self.scene,
+                agent: other.clone(),
+                known: known.into_iter().map(str::to_owned).collect(),
+            });
         }
         let files: Vec<String> = whole["files"]
             .as_array()
@@ -137,10 +136,7 @@ impl Excerpt {
             let is_there =
                 agents.iter().any(|agent| files.contains(&format!("sensors/{agent}/RGB-{camera}.parquet")));
             if !is_there {
-                return Err(EmbedError::NoSuch(format!(
-                    "none of {} has pictures of {camera}",
-                    agents.join(", ")
-                )));
+                return Err(ViewError::NoCamera { agents, camera: camera.clone() });
             }
         }
         let cut = Cut { site, folder, files, frames, agents, cameras: &self.cameras };
@@ -151,7 +147,7 @@ impl Excerpt {
 
 impl Cut<'_> {
     /// Readings are counted from the excerpt's first frame on, so there must be one of each kind.
-    fn agree_on_frames(&self, info: &Value) -> Result<(), EmbedError> {
+    fn agree_on_frames(&self, info: &Value) -> Result<(), ViewError> {
         let mut rates = vec![("boxes".to_owned(), info["label_every_n_frames"].as_u64().unwrap_or(1))];
         for (path, rate) in self.sensor_files()?.iter().map(|(path, rate, _)| (path, *rate)) {
             rates.push((path.clone(), rate));
@@ -161,9 +157,7 @@ impl Cut<'_> {
         }
         match rates.iter().find(|(_, rate)| u64::from(self.frames.0) % rate != 0) {
             None => Ok(()),
-            Some((what, rate)) => Err(EmbedError::NoSuch(format!(
-                "{what} has every {rate}th frame only: let the excerpt begin at a multiple of {rate}"
-            ))),
+            Some((what, rate)) => Err(ViewError::Between { what: what.clone(), rate: *rate }),
         }
     }
 
@@ -173,7 +167,7 @@ impl Cut<'_> {
 
     /// Sensor tables that belong to the excerpt, with every how many frames they have a row, and whether they
     /// hold points.
-    fn sensor_files(&self) -> Result<Vec<(String, u64, bool)>, EmbedError> {
+    fn sensor_files(&self) -> Result<Vec<(String, u64, bool)>, ViewError> {
         let mut found = Vec::new();
         for agent in &self.agents {
             let of_kind = |name: &str| format!("sensors/{agent}/{name}.parquet");
@@ -189,9 +183,9 @@ impl Cut<'_> {
         Ok(found)
     }
 
-    fn locate(&self, path: &str) -> Result<PathBuf, EmbedError> {
+    fn locate(&self, path: &str) -> Result<PathBuf, ViewError> {
         let found = paths::file_below(self.site.root(), &format!("scenes/{}/{path}", self.folder));
-        found.ok_or_else(|| EmbedError::NoSuch(format!("scene {} has no {path}", self.folder)))
+        found.ok_or_else(|| ViewError::NotInScene { scene: self.folder.clone(), what: path.to_owned() })
     }
 
     fn key(&self, path: &str) -> String {
@@ -199,7 +193,7 @@ impl Cut<'_> {
     }
 
     /// Poses, boxes, lines of the map.
-    fn tables(&self) -> Result<Vec<Piece>, EmbedError> {
+    fn tables(&self) -> Result<Vec<Piece>, ViewError> {
         let rows = Rows { frames: Some(self.frames), words: vec![("agent", self.agents.clone())] };
         let path = self.locate("agents.parquet")?;
         let mut pieces = vec![(self.key("agents.parquet"), table::rows(&path, AGENT_COLUMNS, &rows)?)];
@@ -210,7 +204,7 @@ impl Cut<'_> {
                 break;
             }
         }
-        let info = listing::scene_info(self.site.root(), &self.folder).map_err(EmbedError::NoSuch)?;
+        let info = listing::scene_info(self.site.root(), &self.folder)?;
         let map = format!("maps/{}.vector.parquet", info["map"].as_str().unwrap_or_default());
         if let Some(file) = paths::file_below(self.site.root(), &map) {
             let places = table::places(&path, &rows)?;
@@ -219,12 +213,12 @@ impl Cut<'_> {
         Ok(pieces)
     }
 
-    fn masks(&self) -> Result<Vec<Piece>, EmbedError> {
+    fn masks(&self) -> Result<Vec<Piece>, ViewError> {
         let masks = self.files.iter().filter(|f| self.is_mask(f));
         masks.map(|path| Ok((self.key(path), archive::frames(&self.locate(path)?, self.frames)?))).collect()
     }
 
-    fn pictures(&self) -> Result<Vec<Piece>, EmbedError> {
+    fn pictures(&self) -> Result<Vec<Piece>, ViewError> {
         let mut pieces = Vec::new();
         for (path, rate, _) in self.sensor_files()?.into_iter().filter(|(_, _, has_points)| !has_points) {
             let columns = &["frame", "time_s", "image"];
@@ -248,7 +242,7 @@ impl Cut<'_> {
     }
 
     /// Lidar readings that fit into some bytes of base64, and of how many points one is kept.
-    fn points(&self, room: usize) -> Result<(Vec<Piece>, usize), EmbedError> {
+    fn points(&self, room: usize) -> Result<(Vec<Piece>, usize), ViewError> {
         let tables: Vec<_> =
             self.sensor_files()?.into_iter().filter(|(_, _, has_points)| *has_points).collect();
         let thinned = |keep: usize| {
@@ -258,7 +252,7 @@ impl Cut<'_> {
                     table::readings(&self.locate(path)?, POINT_COLUMNS, self.frames, *rate, Some(points))?;
                 Ok((self.key(path), bytes))
             });
-            readings.collect::<Result<Vec<Piece>, EmbedError>>()
+            readings.collect::<Result<Vec<Piece>, ViewError>>()
         };
         // Bytes fall a little slower than points do: a coarse try tells where to begin.
         let trial = 8;
@@ -271,7 +265,7 @@ impl Cut<'_> {
             }
             keep += 1;
         }
-        Err(EmbedError::TooThin(THINNEST))
+        Err(ViewError::TooThin(THINNEST))
     }
 
     fn words(&self, keep: usize) -> String {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use arrow_array::builder::BooleanBuilder;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float32Type, Float64Type, Int32Type, UInt32Type};
-use arrow_array::{Array, ArrayRef, Float32Array, ListArray, RecordBatch, UInt32Array};
+use arrow_array::{Array, ArrayRef, Float32Array, ListArray, RecordBatch, UInt32Array, UInt64Array};
 use arrow_buffer::OffsetBuffer;
 use arrow_schema::{DataType, Schema};
 use arrow_select::filter::filter_record_batch;
@@ -15,6 +15,7 @@ use arrow_select::take::take;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReaderBuilder, RowSelection, RowSelector};
 use parquet::arrow::{ArrowWriter, ProjectionMask};
 use parquet::basic::{Compression, Encoding, ZstdLevel};
+use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::schema::types::ColumnPath;
@@ -22,7 +23,7 @@ use parquet::schema::types::ColumnPath;
 use schema::ZERO_COLUMNS;
 use schema::calibration::METADATA_KEY;
 
-use super::error::EmbedError;
+use crate::error::{Unreadable, ViewError, of_file};
 
 /// Positions are multiples of this part of a metre.
 const STEPS_PER_M: f32 = 128.0;
@@ -52,13 +53,9 @@ pub(super) struct Points {
 
 type Reader = ParquetRecordBatchReaderBuilder<File>;
 
-fn unreadable(path: &Path, why: impl std::fmt::Display) -> EmbedError {
-    EmbedError::Unreadable { path: path.to_owned(), why: why.to_string() }
-}
-
-fn open(path: &Path, columns: Columns) -> Result<Reader, EmbedError> {
-    let file = File::open(path).map_err(|e| unreadable(path, e))?;
-    let reader = Reader::try_new(file).map_err(|e| unreadable(path, e))?;
+fn open(path: &Path, columns: Columns) -> Result<Reader, ViewError> {
+    let file = File::open(path).map_err(of_file(path))?;
+    let reader = Reader::try_new(file).map_err(of_file(path))?;
     let fields = reader.schema().fields().iter().enumerate();
     let roots: Vec<usize> =
         fields.filter(|(_, f)| columns.contains(&f.name().as_str())).map(|(i, _)| i).collect();
@@ -67,7 +64,7 @@ fn open(path: &Path, columns: Columns) -> Result<Reader, EmbedError> {
 }
 
 /// At every how many frames a sensor's table has a row.
-pub(super) fn every_n_frames(path: &Path) -> Result<u64, EmbedError> {
+pub(super) fn every_n_frames(path: &Path) -> Result<u64, ViewError> {
     let reader = open(path, &[])?;
     let said = notes(&reader).into_iter().find(|note| note.key == METADATA_KEY).and_then(|note| note.value);
     let about = said.and_then(|said| serde_json::from_str::<serde_json::Value>(&said).ok());
@@ -82,7 +79,7 @@ fn notes(reader: &Reader) -> Vec<KeyValue> {
 }
 
 /// Some rows of a table as a table.
-pub(super) fn rows(path: &Path, columns: Columns, rows: &Rows) -> Result<Vec<u8>, EmbedError> {
+pub(super) fn rows(path: &Path, columns: Columns, rows: &Rows) -> Result<Vec<u8>, ViewError> {
     cut(path, columns, |batch| select(batch, rows))
 }
 
@@ -92,11 +89,11 @@ pub(super) fn near(
     columns: Columns,
     places: &[[f64; 2]],
     radius_m: f64,
-) -> Result<Vec<u8>, EmbedError> {
+) -> Result<Vec<u8>, ViewError> {
     cut(path, columns, |batch| {
         let list = |name: &str| batch.column_by_name(name).and_then(|c| c.as_list_opt::<i32>().cloned());
         let (Some(x), Some(y)) = (list("x_m"), list("y_m")) else {
-            return Err("it has no x_m and y_m".to_owned());
+            return Err(Unreadable::Lacks("x_m and y_m"));
         };
         let mut kept = BooleanBuilder::new();
         for row in 0..batch.num_rows() {
@@ -110,23 +107,23 @@ pub(super) fn near(
                 })
             }));
         }
-        filter_record_batch(&batch, &kept.finish()).map_err(|e| e.to_string())
+        Ok(filter_record_batch(&batch, &kept.finish())?)
     })
 }
 
 /// Where agents are: x and y of the chosen rows.
-pub(super) fn places(path: &Path, rows: &Rows) -> Result<Vec<[f64; 2]>, EmbedError> {
+pub(super) fn places(path: &Path, rows: &Rows) -> Result<Vec<[f64; 2]>, ViewError> {
     let mut places = Vec::new();
-    let reader = open(path, &["frame", "agent", "xyz_m"])?.build().map_err(|e| unreadable(path, e))?;
+    let reader = open(path, &["frame", "agent", "xyz_m"])?.build().map_err(of_file(path))?;
     for batch in reader {
-        let batch = select(batch.map_err(|e| unreadable(path, e))?, rows).map_err(|e| unreadable(path, e))?;
+        let batch = select(batch.map_err(of_file(path))?, rows).map_err(of_file(path))?;
         let xyz = batch.column_by_name("xyz_m").and_then(|c| c.as_fixed_size_list_opt().cloned());
-        let xyz = xyz.ok_or_else(|| unreadable(path, "it has no xyz_m"))?;
+        let xyz = xyz.ok_or_else(|| of_file(path)(Unreadable::Lacks("xyz_m")))?;
         for row in 0..batch.num_rows() {
             let value = xyz.value(row);
             let values = value
                 .as_primitive_opt::<Float64Type>()
-                .ok_or_else(|| unreadable(path, "xyz_m are no numbers"))?;
+                .ok_or_else(|| of_file(path)(Unreadable::Type("xyz_m")))?;
             places.push([values.value(0), values.value(1)]);
         }
     }
@@ -136,23 +133,23 @@ pub(super) fn places(path: &Path, rows: &Rows) -> Result<Vec<[f64; 2]>, EmbedErr
 fn cut(
     path: &Path,
     columns: Columns,
-    choose: impl Fn(RecordBatch) -> Result<RecordBatch, String>,
-) -> Result<Vec<u8>, EmbedError> {
-    let reader = open(path, columns)?.build().map_err(|e| unreadable(path, e))?;
+    choose: impl Fn(RecordBatch) -> Result<RecordBatch, Unreadable>,
+) -> Result<Vec<u8>, ViewError> {
+    let reader = open(path, columns)?.build().map_err(of_file(path))?;
     let mut writer: Option<ArrowWriter<Vec<u8>>> = None;
     for batch in reader {
-        let batch = choose(batch.map_err(|e| unreadable(path, e))?).map_err(|e| unreadable(path, e))?;
+        let batch = choose(batch.map_err(of_file(path))?).map_err(of_file(path))?;
         let writer = match &mut writer {
             Some(writer) => writer,
-            None => writer.insert(start(&batch.schema(), Vec::new()).map_err(|e| unreadable(path, e))?),
+            None => writer.insert(start(&batch.schema(), Vec::new()).map_err(of_file(path))?),
         };
-        writer.write(&batch).map_err(|e| unreadable(path, e))?;
+        writer.write(&batch).map_err(of_file(path))?;
     }
-    let writer = writer.ok_or_else(|| unreadable(path, "it has no rows"))?;
-    writer.into_inner().map_err(|e| unreadable(path, e))
+    let writer = writer.ok_or_else(|| of_file(path)(Unreadable::Lacks("rows")))?;
+    writer.into_inner().map_err(of_file(path))
 }
 
-fn select(batch: RecordBatch, rows: &Rows) -> Result<RecordBatch, String> {
+fn select(batch: RecordBatch, rows: &Rows) -> Result<RecordBatch, Unreadable> {
     let mut kept = vec![true; batch.num_rows()];
     let mut columns: Vec<ArrayRef> = batch.columns().to_vec();
     if let (Some((first, last)), Ok(at)) = (rows.frames, batch.schema().index_of("frame")) {
@@ -165,7 +162,7 @@ fn select(batch: RecordBatch, rows: &Rows) -> Result<RecordBatch, String> {
     }
     for (name, words) in &rows.words {
         let Some(column) = batch.column_by_name(name) else { continue };
-        let column = column.as_string_opt::<i32>().ok_or_else(|| format!("{name} is no text"))?;
+        let column = column.as_string_opt::<i32>().ok_or(Unreadable::Type(name))?;
         for (row, keep) in kept.iter_mut().enumerate() {
             *keep &= words.iter().any(|word| word == column.value(row));
         }
@@ -177,15 +174,15 @@ fn select(batch: RecordBatch, rows: &Rows) -> Result<RecordBatch, String> {
         .zip(&columns)
         .map(|(field, column)| field.as_ref().clone().with_data_type(column.data_type().clone()))
         .collect();
-    let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), columns).map_err(|e| e.to_string())?;
-    filter_record_batch(&batch, &kept.into()).map_err(|e| e.to_string())
+    let batch = RecordBatch::try_new(Arc::new(Schema::new(fields)), columns)?;
+    Ok(filter_record_batch(&batch, &kept.into())?)
 }
 
-fn numbers(column: &ArrayRef) -> Result<Vec<i64>, String> {
+fn numbers(column: &ArrayRef) -> Result<Vec<i64>, Unreadable> {
     if let Some(values) = column.as_primitive_opt::<UInt32Type>() {
         return Ok(values.values().iter().map(|&v| i64::from(v)).collect());
     }
-    let values = column.as_primitive_opt::<Int32Type>().ok_or("frame is no number")?;
+    let values = column.as_primitive_opt::<Int32Type>().ok_or(Unreadable::Type("frame"))?;
     Ok(values.values().iter().map(|&v| i64::from(v)).collect())
 }
 
@@ -196,45 +193,43 @@ pub(super) fn readings(
     (first, last): (u32, u32),
     every: u64,
     points: Option<Points>,
-) -> Result<Vec<u8>, EmbedError> {
+) -> Result<Vec<u8>, ViewError> {
     let reader = open(path, columns)?;
     let notes = notes(&reader);
     let total = usize::try_from(reader.metadata().file_metadata().num_rows()).unwrap_or(0);
     let row = |frame: u32| usize::try_from(u64::from(frame).div_ceil(every)).unwrap_or(usize::MAX).min(total);
     let (from, to) = (row(first), row(last));
     let selection = RowSelection::from(vec![RowSelector::skip(from), RowSelector::select(to - from)]);
-    let reader =
-        reader.with_row_selection(selection).with_batch_size(1).build().map_err(|e| unreadable(path, e))?;
+    let reader = reader.with_row_selection(selection).with_batch_size(1).build().map_err(of_file(path))?;
     let mut writer: Option<ArrowWriter<Vec<u8>>> = None;
     for batch in reader {
-        let batch = batch.map_err(|e| unreadable(path, e))?;
+        let batch = batch.map_err(of_file(path))?;
         let batch = match points {
             Some(points) => thinned(&batch, points),
             None => Ok(batch),
         };
         let rows = Rows { frames: Some((first, last)), words: Vec::new() };
-        let batch = batch.and_then(|batch| select(batch, &rows)).map_err(|e| unreadable(path, e))?;
+        let batch = batch.and_then(|batch| select(batch, &rows)).map_err(of_file(path))?;
         let writer = match &mut writer {
             Some(writer) => writer,
-            None => writer.insert(start(&batch.schema(), notes.clone()).map_err(|e| unreadable(path, e))?),
+            None => writer.insert(start(&batch.schema(), notes.clone()).map_err(of_file(path))?),
         };
-        writer.write(&batch).and_then(|()| writer.flush()).map_err(|e| unreadable(path, e))?;
+        writer.write(&batch).and_then(|()| writer.flush()).map_err(of_file(path))?;
     }
-    let writer = writer.ok_or_else(|| unreadable(path, "it has no such frames"))?;
-    writer.into_inner().map_err(|e| unreadable(path, e))
+    let writer = writer.ok_or_else(|| of_file(path)(Unreadable::Lacks("such frames")))?;
+    writer.into_inner().map_err(of_file(path))
 }
 
 /// A reading (one row of lists) with fewer points, and with numbers that pack well.
-fn thinned(batch: &RecordBatch, points: Points) -> Result<RecordBatch, String> {
+fn thinned(batch: &RecordBatch, points: Points) -> Result<RecordBatch, Unreadable> {
     let schema = batch.schema();
     let columns = batch.columns().iter().zip(schema.fields()).map(|(column, field)| {
         let (Some(list), DataType::List(item)) = (column.as_list_opt::<i32>(), field.data_type()) else {
             return Ok(Arc::clone(column));
         };
         let values = list.value(0);
-        let length = u32::try_from(values.len()).map_err(|e| e.to_string())?;
-        let kept = UInt32Array::from_iter_values((0..length).step_by(points.keep_one_in));
-        let values = take(&values, &kept, None).map_err(|e| e.to_string())?;
+        let kept = UInt64Array::from_iter_values((0..values.len() as u64).step_by(points.keep_one_in));
+        let values = take(&values, &kept, None)?;
         let steps = if field.name() == "intensity" { INTENSITY_STEPS } else { STEPS_PER_M };
         let values: ArrayRef = match values.as_primitive_opt::<Float32Type>() {
             Some(numbers) => Arc::new(Float32Array::from_iter_values(
@@ -245,12 +240,12 @@ fn thinned(batch: &RecordBatch, points: Points) -> Result<RecordBatch, String> {
         let offsets = OffsetBuffer::from_lengths([values.len()]);
         Ok(Arc::new(ListArray::new(Arc::clone(item), offsets, values, None)) as ArrayRef)
     });
-    let columns = columns.collect::<Result<Vec<_>, String>>()?;
-    RecordBatch::try_new(batch.schema(), columns).map_err(|e| e.to_string())
+    let columns = columns.collect::<Result<Vec<_>, Unreadable>>()?;
+    Ok(RecordBatch::try_new(batch.schema(), columns)?)
 }
 
-fn start(schema: &Arc<Schema>, notes: Vec<KeyValue>) -> Result<ArrowWriter<Vec<u8>>, String> {
-    let level = ZstdLevel::try_new(ZSTD_LEVEL).map_err(|e| e.to_string())?;
+fn start(schema: &Arc<Schema>, notes: Vec<KeyValue>) -> Result<ArrowWriter<Vec<u8>>, ParquetError> {
+    let level = ZstdLevel::try_new(ZSTD_LEVEL)?;
     let mut properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(level))
         .set_max_row_group_row_count(None);
@@ -279,7 +274,7 @@ fn start(schema: &Arc<Schema>, notes: Vec<KeyValue>) -> Result<ArrowWriter<Vec<u
     if !notes.is_empty() {
         properties = properties.set_key_value_metadata(Some(notes));
     }
-    ArrowWriter::try_new(Vec::new(), Arc::clone(schema), Some(properties.build())).map_err(|e| e.to_string())
+    ArrowWriter::try_new(Vec::new(), Arc::clone(schema), Some(properties.build()))
 }
 
 #[cfg(test)]

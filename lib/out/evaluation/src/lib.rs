@@ -28,8 +28,8 @@ pub use details::{ClassDetails, Details, Found};
 pub use error::EvaluationError;
 pub use level::{LEVELS, Level};
 pub use masks::{
-    Grid, MASK_THRESHOLDS, MaskClass, MaskEvaluation, MaskFolder, MaskMode, MaskScores, MaskTally,
-    SCORE_TYPES, evaluate_masks, passed,
+    Grid, GridError, MASK_THRESHOLDS, MaskClass, MaskEvaluation, MaskFolder, MaskMode, MaskScores, MaskTally,
+    Misfit, SCORE_TYPES, evaluate_masks, passed,
 };
 pub use measures::Measure;
 pub use mode::{Mode, SeenBy};

@@ -6,4 +6,4 @@ mod tally;
 
 pub use folder::{MaskFolder, SCORE_TYPES};
 pub use run::{MaskEvaluation, MaskMode, evaluate_masks};
-pub use tally::{Grid, MASK_THRESHOLDS, MaskClass, MaskScores, MaskTally, passed};
+pub use tally::{Grid, GridError, MASK_THRESHOLDS, MaskClass, MaskScores, MaskTally, Misfit, passed};

@@ -37,29 +37,59 @@ pub struct Grid {
     rings: Vec<u8>,
 }
 
+/// Predictions whose cells do not lie on those of the store's masks.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "{predicted} cells of {predicted_m} m a side where the store has {labelled} of {labelled_m} m: {misfit}"
+)]
+pub struct GridError {
+    /// Cells of predictions, a side.
+    pub predicted: usize,
+    /// Side of such a cell, m.
+    pub predicted_m: f64,
+    /// Cells of the store's masks, a side.
+    pub labelled: usize,
+    /// Side of such a cell, m.
+    pub labelled_m: f64,
+    /// What does not fit.
+    pub misfit: Misfit,
+}
+
+/// In what the cells of predictions do not fit those of a store.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Misfit {
+    /// Their size is no multiple.
+    #[error("a cell must be once, twice, ... as large as the store's")]
+    CellSize,
+    /// They cover more ground.
+    #[error("predictions must not reach farther than the store's masks")]
+    Reach,
+    /// Their borders lie within the store's cells.
+    #[error("with the ego in the middle of both, cells do not lie on cells")]
+    Phase,
+}
+
 impl Grid {
-    /// Lays one grid upon the other; what is wrong with that, else.
+    /// Lays the grid of predictions upon that of the store.
     ///
     /// # Errors
     /// The cells of one do not lie on those of the other, or those of predictions reach farther.
     pub fn new(
         (labelled, labelled_m): (usize, f64),
         (predicted, predicted_m): (usize, f64),
-    ) -> Result<Self, String> {
-        let sizes = format!(
-            "{predicted} cells of {predicted_m} m a side where the store has {labelled} of {labelled_m} m"
-        );
+    ) -> Result<Self, GridError> {
+        let fault = |misfit| GridError { predicted, predicted_m, labelled, labelled_m, misfit };
         let times = (predicted_m / labelled_m).round();
         if !(times >= 1.0 && times <= labelled as f64 && (times * labelled_m - predicted_m).abs() < 1e-6) {
-            return Err(format!("{sizes}: a cell must be once, twice, ... as large as the store's"));
+            return Err(fault(Misfit::CellSize));
         }
         let times = times as usize;
         let covered = predicted.checked_mul(times).filter(|covered| (1..=labelled).contains(covered));
         let Some(covered) = covered else {
-            return Err(format!("{sizes}: predictions must not reach farther than the store's masks"));
+            return Err(fault(Misfit::Reach));
         };
         if !(labelled - covered).is_multiple_of(2) {
-            return Err(format!("{sizes}: with the ego in the middle of both, cells do not lie on cells"));
+            return Err(fault(Misfit::Phase));
         }
         let middle = |cell: usize| (cell as f64 + 0.5 - 0.5 * covered as f64) * labelled_m;
         let ring = |cell: usize| {
@@ -259,13 +289,13 @@ mod tests {
         assert_eq!(Grid::new((400, 0.4), (200, 0.4)).expect("is a crop").first, 100);
         let coarse = Grid::new((400, 0.4), (100, 0.8)).expect("is coarser");
         assert_eq!((coarse.times, coarse.first, coarse.covered()), (2, 100, 200));
-        let fault = |cells, cell_m| Grid::new((400, 0.4), (cells, cell_m)).expect_err("does not fit");
-        assert!(fault(401, 0.4).contains("must not reach farther"));
-        assert!(fault(201, 0.8).contains("must not reach farther"));
-        assert!(fault(0, 0.4).contains("must not reach farther"));
-        assert!(fault(199, 0.4).contains("cells do not lie on cells"));
+        let misfit = |cells, cell_m| Grid::new((400, 0.4), (cells, cell_m)).expect_err("does not fit").misfit;
+        assert_eq!(misfit(401, 0.4), Misfit::Reach);
+        assert_eq!(misfit(201, 0.8), Misfit::Reach);
+        assert_eq!(misfit(0, 0.4), Misfit::Reach);
+        assert_eq!(misfit(199, 0.4), Misfit::Phase);
         for cell_m in [0.5, 0.2, 0.0, -0.4, f64::NAN, f64::INFINITY, 1e300] {
-            assert!(fault(100, cell_m).contains("a cell must be once, twice"), "{cell_m}");
+            assert_eq!(misfit(100, cell_m), Misfit::CellSize, "{cell_m}");
         }
     }
 

@@ -11,7 +11,7 @@ use serde_json::json;
 use store::{Scope, keys};
 
 use super::boxes::{attribute_token, category_token};
-use super::mask::{Canvas, MapElement, merge, paint};
+use super::mask::{MapElement, MapMask, merge, paint};
 use super::options::NuScenesOptions;
 use super::parts::unpack;
 use super::rig::sensor_token;
@@ -53,12 +53,12 @@ pub(crate) fn write(
     options: &NuScenesOptions,
     files: &mut UnitFiles<'_>,
 ) -> Result<(), ExportError> {
-    let canvases = canvases(fragments, options)?;
-    for (map, canvas) in &canvases {
+    let masks = masks(fragments, options)?;
+    for (map, mask) in &masks {
         let name = mask_name(map);
         let mut file = files.create(&name)?;
         let elements = if options.map_mask { elements(source, map)? } else { Vec::new() };
-        paint(canvas, &elements, &mut file).map_err(|e| write_error(&name, io::Error::other(e)))?;
+        paint(mask, &elements, &mut file).map_err(|e| write_error(&name, io::Error::other(e)))?;
         files.add(file)?;
     }
     let mut versions: BTreeMap<&str, Vec<&Fragment>> = BTreeMap::new();
@@ -67,24 +67,24 @@ pub(crate) fn write(
     }
     for (version, fragments) in versions {
         constants(version, files)?;
-        small_tables(version, &fragments, &canvases, files)?;
-        large_tables(version, &fragments, &canvases, files)?;
+        small_tables(version, &fragments, &masks, files)?;
+        large_tables(version, &fragments, &masks, files)?;
     }
     Ok(())
 }
 
 /// The ground of each map that the scenes use.
-fn canvases<'a>(
+fn masks<'a>(
     fragments: &'a [Fragment],
     options: &NuScenesOptions,
-) -> Result<BTreeMap<&'a str, Canvas>, ExportError> {
+) -> Result<BTreeMap<&'a str, MapMask>, ExportError> {
     let mut grounds: BTreeMap<&str, [f64; 4]> = BTreeMap::new();
     for fragment in fragments {
         let ground = ground(fragment);
         grounds.entry(&fragment.map).and_modify(|all| *all = merge(*all, ground)).or_insert(ground);
     }
-    let canvas = |(map, ground): (&'a str, [f64; 4])| Ok((map, options.canvas(map, ground)?));
-    grounds.into_iter().map(canvas).collect()
+    let mask = |(map, ground): (&'a str, [f64; 4])| Ok((map, options.mask_of(map, ground)?));
+    grounds.into_iter().map(mask).collect()
 }
 
 fn mask_name(map: &str) -> String {
@@ -146,7 +146,7 @@ fn constants(version: &str, files: &mut UnitFiles<'_>) -> Result<(), ExportError
 fn small_tables(
     version: &str,
     fragments: &[&Fragment],
-    canvases: &BTreeMap<&str, Canvas>,
+    masks: &BTreeMap<&str, MapMask>,
     files: &mut UnitFiles<'_>,
 ) -> Result<(), ExportError> {
     let channels: BTreeSet<&(String, String)> = fragments.iter().flat_map(|f| &f.channels).collect();
@@ -161,7 +161,7 @@ fn small_tables(
         splits.entry(format!("convoy_{}", fragment.split)).or_default().push(&fragment.scene_name);
     }
     let maps = logs.into_iter().map(|(map, logs)| {
-        let shift = canvases.get(map).map(Canvas::global_from_world).unwrap_or_default();
+        let shift = masks.get(map).map(MapMask::global_from_world).unwrap_or_default();
         json!({
             "token": token(&format!("map {map}")),
             "category": "semantic_prior",
@@ -197,7 +197,7 @@ fn cooperation(fragments: &[&Fragment]) -> Vec<serde_json::Value> {
 fn large_tables(
     version: &str,
     fragments: &[&Fragment],
-    canvases: &BTreeMap<&str, Canvas>,
+    masks: &BTreeMap<&str, MapMask>,
     files: &mut UnitFiles<'_>,
 ) -> Result<(), ExportError> {
     let names = [
@@ -214,7 +214,7 @@ fn large_tables(
         names.into_iter().map(|name| Table::create(files, version, name)).collect::<Result<Vec<_>, _>>()?;
     let mut labels: Option<Table> = None;
     for fragment in fragments {
-        let shift = canvases.get(fragment.map.as_str()).map(Canvas::global_from_world).unwrap_or_default();
+        let shift = masks.get(fragment.map.as_str()).map(MapMask::global_from_world).unwrap_or_default();
         let moved = |at: [f64; 3], steps| rounded([0, 1, 2].map(|axis| at[axis] + shift[axis]), steps);
         let broken =
             |source| ExportError::Read { path: fragment.rows.clone().into(), action: "read", source };

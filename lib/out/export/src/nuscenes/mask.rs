@@ -6,6 +6,8 @@ use codecs::images::{ImageError, PngStyle, write_grey_rows};
 
 use schema::tables::{VectorKind, VectorMapRow};
 
+use crate::ExportError;
+
 /// Pixels a metre: devkits know no other.
 const PIXELS_PER_M: f64 = 10.0;
 /// Around the ways of agents the picture shows this much, m: as far as devkits draw it.
@@ -45,32 +47,35 @@ pub(crate) fn widened([x0, y0, x1, y1]: [f64; 4], by_m: f64) -> [f64; 4] {
 
 /// Where a map's global frame has its origin in the world, and how large its picture is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Canvas {
+pub(crate) struct MapMask {
     /// The global origin in the world, whole metres: the lower left corner of the picture.
     pub(crate) origin_m: [f64; 2],
     /// Columns and rows.
     pub(crate) pixels: [u32; 2],
 }
 
-impl Canvas {
+impl MapMask {
     /// Of a piece of ground (least and greatest x and y, m), with one pixel: for maps without a mask.
     pub(crate) fn blank([x0, y0, _, _]: [f64; 4]) -> Self {
         Self { origin_m: [x0, y0].map(|v| (v / STEP_M).floor() * STEP_M), pixels: [1; 2] }
     }
 
-    /// Of a piece of ground. What is wrong, if it is too large.
-    pub(crate) fn of([x0, y0, x1, y1]: [f64; 4]) -> Result<Self, String> {
+    /// Of a piece of ground of a map.
+    ///
+    /// # Errors
+    /// It is too large for a picture.
+    pub(crate) fn of(map: &str, [x0, y0, x1, y1]: [f64; 4]) -> Result<Self, ExportError> {
         let Self { origin_m, .. } = Self::blank([x0, y0, x1, y1]);
         let size_m = [x1 - origin_m[0], y1 - origin_m[1]].map(|v| (v / STEP_M).ceil().max(1.0) * STEP_M);
         let pixels = size_m.map(|v| (v * PIXELS_PER_M).round());
         if pixels[0] * pixels[1] > MOST_PIXELS as f64 {
-            return Err(format!(
-                "the scenes spread over {:.1} x {:.1} km: their map mask would have {:.0} million pixels, which devkits read whole (export \
-                 fewer scenes into a folder, or --no-map-mask)",
+            return Err(ExportError::Refused(format!(
+                "map {map}: the scenes spread over {:.1} x {:.1} km: their map mask would have {:.0} million pixels, \
+                 which devkits read whole (export fewer scenes into a folder, or --no-map-mask)",
                 size_m[0] / 1000.0,
                 size_m[1] / 1000.0,
                 pixels[0] * pixels[1] / 1e6
-            ));
+            )));
         }
         Ok(Self { origin_m, pixels: pixels.map(|v| v as u32) })
     }
@@ -146,12 +151,12 @@ fn shapes(elements: &[MapElement]) -> Vec<Shape> {
 
 /// Paints a map's mask as PNG, a few rows in memory at a time: 255 where one may drive, else 0. Pixel (i, j)
 /// is at global x = i / 10 and y = (rows - j) / 10, as devkits have it.
-pub(crate) fn paint(canvas: &Canvas, elements: &[MapElement], out: impl Write) -> Result<(), ImageError> {
-    let [columns, rows] = canvas.pixels;
+pub(crate) fn paint(mask: &MapMask, elements: &[MapElement], out: impl Write) -> Result<(), ImageError> {
+    let [columns, rows] = mask.pixels;
     let mut shapes = shapes(elements);
     // Rows go from north to south.
     shapes.sort_by(|a, b| b.span[1].total_cmp(&a.span[1]));
-    let height = |row: u32| canvas.origin_m[1] + f64::from(rows - row) / PIXELS_PER_M;
+    let height = |row: u32| mask.origin_m[1] + f64::from(rows - row) / PIXELS_PER_M;
     let (mut next, mut near) = (0, Vec::<&Shape>::new());
     let mut crossings = Vec::new();
     write_grey_rows(out, [columns, rows], PngStyle::FAST, |row, line| {
@@ -165,7 +170,7 @@ pub(crate) fn paint(canvas: &Canvas, elements: &[MapElement], out: impl Write) -
         }
         let y = height(row);
         for shape in near.iter().filter(|shape| shape.span[0] <= y && y <= shape.span[1]) {
-            shape.fill(y, canvas.origin_m[0], line, &mut crossings);
+            shape.fill(y, mask.origin_m[0], line, &mut crossings);
         }
     })
 }
@@ -184,22 +189,22 @@ mod tests {
     }
 
     /// The picture, row by row.
-    fn painted(canvas: &Canvas, elements: &[MapElement]) -> Vec<Vec<u8>> {
+    fn painted(mask: &MapMask, elements: &[MapElement]) -> Vec<Vec<u8>> {
         let mut bytes = Vec::new();
-        paint(canvas, elements, &mut bytes).expect("memory does not fail");
+        paint(mask, elements, &mut bytes).expect("memory does not fail");
         let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG");
         assert_eq!(reader.info().color_type, png::ColorType::Grayscale);
         let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
         reader.next_frame(&mut pixels).expect("a picture");
-        pixels.chunks_exact(canvas.pixels[0] as usize).map(<[u8]>::to_vec).collect()
+        pixels.chunks_exact(mask.pixels[0] as usize).map(<[u8]>::to_vec).collect()
     }
 
     #[test]
     fn grounds_begin_at_whole_steps() {
-        let canvas = Canvas::of([-123.0, 45.0, 20.0, 61.0]).expect("small");
-        assert_eq!(canvas, Canvas { origin_m: [-130.0, 40.0], pixels: [1500, 300] });
-        assert_eq!(canvas.global_from_world(), [130.0, -40.0, 0.0]);
-        let fault = Canvas::of([0.0, 0.0, 20_000.0, 20_000.0]).expect_err("too large");
+        let mask = MapMask::of("town", [-123.0, 45.0, 20.0, 61.0]).expect("small");
+        assert_eq!(mask, MapMask { origin_m: [-130.0, 40.0], pixels: [1500, 300] });
+        assert_eq!(mask.global_from_world(), [130.0, -40.0, 0.0]);
+        let fault = MapMask::of("town", [0.0, 0.0, 20_000.0, 20_000.0]).expect_err("too large").to_string();
         assert!(fault.contains("20.0 x 20.0 km") && fault.contains("--no-map-mask"), "{fault}");
     }
 
@@ -227,12 +232,12 @@ mod tests {
             element(VectorKind::LaneBoundary, &[[0.0, 8.0], [8.0, 8.0]]),
             element(VectorKind::LaneBoundary, &[[0.0, 6.0], [8.0, 6.0]]),
         ];
-        let canvas = Canvas::of([-10.0, -10.0, 10.0, 10.0]).expect("small");
-        let rows = painted(&canvas, &elements);
+        let mask = MapMask::of("town", [-10.0, -10.0, 10.0, 10.0]).expect("small");
+        let rows = painted(&mask, &elements);
         assert_eq!((rows.len(), rows[0].len()), (200, 200));
         // As devkits look pixels up.
         let at = |x: f64, y: f64| {
-            let (x, y) = (x - canvas.origin_m[0], y - canvas.origin_m[1]);
+            let (x, y) = (x - mask.origin_m[0], y - mask.origin_m[1]);
             rows[(200.0 - 10.0 * y).round() as usize][(10.0 * x).round() as usize]
         };
         for (x, y, drivable) in [

@@ -3,7 +3,7 @@
 use clap::{ArgAction, Args};
 use serde::Serialize;
 
-use super::mask::Canvas;
+use super::mask::MapMask;
 use super::vocabulary::Modality;
 use crate::ExportError;
 
@@ -56,12 +56,12 @@ impl NuScenesOptions {
         Ok(())
     }
 
-    /// The canvas of a map for a piece of ground; too large a one is refused.
-    pub(crate) fn canvas(&self, map: &str, ground: [f64; 4]) -> Result<Canvas, ExportError> {
+    /// The mask of a map for a piece of ground; too large a one is refused.
+    pub(crate) fn mask_of(&self, map: &str, ground: [f64; 4]) -> Result<MapMask, ExportError> {
         if !self.map_mask {
-            return Ok(Canvas::blank(ground));
+            return Ok(MapMask::blank(ground));
         }
-        Canvas::of(ground).map_err(|problem| ExportError::Refused(format!("map {map}: {problem}")))
+        MapMask::of(map, ground)
     }
 }
 

@@ -1,0 +1,69 @@
+//! Why something cannot be shown.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use arrow_schema::ArrowError;
+use parquet::errors::ParquetError;
+use schema::FORMAT_VERSION;
+
+/// Why a store, a part of it or an excerpt cannot be shown.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ViewError {
+    #[error("{0} is no store: it has no dataset.json (make dataset STORE=... makes one)")]
+    NoDataset(PathBuf),
+    #[error(
+        "{0}: store format {1}, this program shows {FORMAT_VERSION} (use the Convoy that made the store)"
+    )]
+    Format(PathBuf, u64),
+    #[error("port {0}: {1}")]
+    Port(u16, io::Error),
+    #[error("{0}: {1}")]
+    File(PathBuf, Unreadable),
+    #[error("there is nothing here")]
+    NoPage,
+    #[error("there is no such scene")]
+    NoScene,
+    #[error("scene {0} has no log yet: make stage STAGE=simulate-and-log")]
+    NoLog(String),
+    #[error("the store has no such file")]
+    NoFile,
+    #[error("scene {scene} has no {what}")]
+    NotInScene { scene: String, what: String },
+    #[error("scene {scene} has no {agent}, but {}", known.join(", "))]
+    NoAgent { scene: u32, agent: String, known: Vec<String> },
+    #[error("scene {scene} has the frames 0..{frames}")]
+    NoFrames { scene: u32, frames: u32 },
+    #[error("none of {} has pictures of {camera}", agents.join(", "))]
+    NoCamera { agents: Vec<String>, camera: String },
+    #[error("{what} has every {rate}th frame only: let the excerpt begin at a multiple of {rate}")]
+    Between { what: String, rate: u64 },
+    #[error("the page would have {0:.1} MB without any point, and 15 MB are the limit: choose fewer {1}")]
+    TooLarge(f64, &'static str),
+    #[error("of lidar points less than one in {0} would fit: choose fewer frames, agents or cameras")]
+    TooThin(usize),
+}
+
+/// Why a file's content is of no use.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Unreadable {
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    #[error(transparent)]
+    Table(#[from] ParquetError),
+    #[error(transparent)]
+    Columns(#[from] ArrowError),
+    #[error(transparent)]
+    Archive(#[from] rawzip::Error),
+    #[error("it has no {0}")]
+    Lacks(&'static str),
+    #[error("{0} has values of another type")]
+    Type(&'static str),
+}
+
+/// For `map_err`: says which file it was.
+pub(crate) fn of_file<E: Into<Unreadable>>(path: &Path) -> impl Fn(E) -> ViewError + Copy {
+    move |why| ViewError::File(path.to_owned(), why.into())
+}
