@@ -38,7 +38,13 @@ def near(name, column, one, two, tolerance):
     one, two = one.to_pylist(), two.to_pylist()
     assert [v is None for v in one] == [v is None for v in two], f"{name}.{column}: other nulls"
     a, b = (np.array([v for v in values if v is not None], float) for values in (one, two))
-    assert a.shape == b.shape and np.abs(a - b).max(initial=0) <= tolerance, f"{name}.{column} is off by {np.abs(a - b).max()}"
+    assert a.shape == b.shape, f"{name}.{column}: other shapes"
+    off = np.abs(a - b)
+    if column.endswith("_rad"):
+        # Degrees have -180 for all from 180 - 1e-6 on.
+        turned = np.abs((a - b + np.pi) % (2 * np.pi) - np.pi)
+        off = np.where(np.abs(a) > np.pi - 2e-8, np.maximum(turned - 2e-8, 0), off)
+    assert off.max(initial=0) <= tolerance, f"{name}.{column} is off by {off.max()}"
 
 
 def table(first, second, name):

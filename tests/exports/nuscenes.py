@@ -59,6 +59,12 @@ CLASSES = {
     "traffic_light": "static.other",
     "traffic_sign": "static.other",
 }
+# What a class is by its kind.
+OF_KIND = {
+    ("truck", "trailer"): "vehicle.trailer",
+    ("bus", "articulated"): "vehicle.bus.bendy",
+    ("pedestrian", "pram"): "human.pedestrian.stroller",
+}
 # Categories of points by tag, for those that an object does not tell better.
 POINTS = {
     0: "noise", 1: "flat.driveable_surface", 2: "flat.sidewalk", 3: "static.manmade", 4: "static.manmade", 5: "static.manmade",
@@ -165,9 +171,11 @@ class Store:
 
     def category(self, box):
         facts = self.facts[box["id"]]
+        special = facts.get("special_type")
+        if (box["class"], special) in OF_KIND:
+            return OF_KIND[box["class"], special]
         if box["class"] != "pedestrian":
             return CLASSES[box["class"]]
-        special = facts.get("special_type")
         if facts.get("use_wheelchair") == "true" or special == "wheelchair":
             return "human.pedestrian.wheelchair"
         if special in ("worker", "police"):
@@ -300,14 +308,14 @@ def check_labels(version, store, data, row):
     names = {r["index"]: r["name"] for r in version.rows["category"].values()}
     assert sorted(names) == list(range(32))
     for tag, identity, label in set(zip(row["tag"].tolist(), row["id"].tolist(), labels.tolist())):
-        if tag in (12, 13) and identity:
-            classes = {12: "pedestrian", 13: None}
-            if classes[tag]:
-                want = store.category({"id": identity, "class": "pedestrian"})
+        if tag in (12, 13, 15, 16) and identity in store.facts:
+            classes = {12: "pedestrian", 15: "truck", 16: "bus"}
+            if tag in classes:
+                want = store.category({"id": identity, "class": classes[tag]})
                 assert names[label] == want, (tag, identity, names[label])
             else:
                 assert names[label] in ("vehicle.bicycle", "vehicle.motorcycle"), (tag, identity, names[label])
-            looked["labels of people"] += 1
+            looked["labels of objects"] += 1
         elif tag in POINTS:
             assert names[label] == POINTS[tag], (tag, names[label])
 

@@ -34,7 +34,8 @@ TYPES = {
     "bicycle": {"BicycleRider"},
 }
 SPLITS = {"train": "train", "val": "validate", "test": "test"}
-COUNTS = ("frames", "boxes", "points in boxes", "points of partners", "pixels on masks", "lit pixels", "depths")
+COUNTS = ("frames", "boxes", "points in boxes", "points of partners", "pixels on masks", "lit pixels", "depths",
+          "pictures that stand in")
 found = dict.fromkeys(COUNTS, 0)
 
 
@@ -263,6 +264,24 @@ def check_cameras(stem, hetero, frame, index, tables, boxes, to_world, ids_seen)
             ids_seen[1] += len(shown)
 
 
+def check_stand_ins(stem, frame, variant, anybody_sees):
+    """HEAL opens four pictures of every agent: black ones where others have some."""
+    pictures = [stem.with_name(f"{stem.name}_camera{number}.png") for number in range(4)]
+    if variant != "OPV2V" or not anybody_sees:
+        assert "camera0" not in frame and not any(picture.exists() for picture in pictures)
+        return
+    for number, picture in enumerate(pictures):
+        rgb = np.asarray(Image.open(picture))
+        assert rgb.ndim == 3 and rgb.shape[2] == 3 and not rgb.any(), picture
+        k = np.array(frame[f"camera{number}"]["intrinsic"])
+        assert np.allclose(k[:2, 2], [rgb.shape[1] / 2, rgb.shape[0] / 2]), k
+        world_from_camera = x_to_world(frame[f"camera{number}"]["cords"])
+        world_from_lidar = x_to_world(frame["lidar_pose"])
+        extrinsic = np.linalg.inv(world_from_camera) @ world_from_lidar
+        assert np.allclose(extrinsic, frame[f"camera{number}"]["extrinsic"], atol=1e-4), picture
+    found["pictures that stand in"] += 1
+
+
 def cameras_of(sensors, about_four):
     """The tables of the cameras ahead, right, left and back: those of that name, or the nearest to where these look."""
     tables = sorted(sensors.glob("RGB-*.parquet"))
@@ -320,6 +339,7 @@ def check_scenario(store, root, folder, variant):
     config = json.loads((store / "dataset.json").read_text())["config"]["bev"]
     listed_classes = CARS if variant == "OPV2V" else set(TYPES)
     static = {name: load_static(source, agent["agent"]) for name, agent in members.items()}
+    anybody_sees = any(of["cameras"] for of in static.values())
     on_masks = [0, 0]
     for stem in stems[names[0]]:
         number = int(stem)
@@ -404,7 +424,7 @@ def check_scenario(store, root, folder, variant):
                 index = number // of["camera every"]
                 check_cameras(path, hetero, frame, index, of["cameras"], union, poses[name], on_masks)
             else:
-                assert "camera0" not in frame and not list(path.parent.glob("*_camera*"))
+                check_stand_ins(path, frame, variant, anybody_sees)
             ahead = frame["plan_trajectory"]
             if name > 0 and ahead:
                 later = at[agent, number + (int(stems[names[0]][1]) - int(stems[names[0]][0]))]
@@ -488,6 +508,10 @@ def main(store, export):
         kinds = json.loads((export / "heter_modality_assign.json").read_text())
         assert {scene: set(agents) for scene, agents in kinds.items()} == assigned
         assert {kind for agents in kinds.values() for kind in agents.values()} <= {"m1", "m2", "m3", "m4"}
+        for agents in kinds.values():
+            vehicles = [name for name in agents if 0 < int(name) < 80000]
+            assert list(agents)[: len(vehicles)] == sorted(vehicles, key=int), "vehicles first"
+            assert not vehicles or agents[vehicles[0]] == "m1"
     unseen = [what for what, count in found.items() if count == 0 and not (variant == "V2X-Real" and what in COUNTS[5:])]
     if yaml:
         check_hypes(export, variant)

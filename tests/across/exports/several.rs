@@ -35,7 +35,9 @@ fn several_scenes_splits_and_rsus() {
         let whole = made(&bench, layout, "whole", &[]);
         reads_back(&bench, layout, &whole);
         let bytes = digests(&whole);
-        for (dest, order) in [("ahead", ["0", "0-1"]), ("backwards", ["1", "0,1"])] {
+        // What grows is the same for all layouts, what is written at the end is not.
+        let ahead = (layout == "kitti").then_some(("ahead", ["0", "0-1"]));
+        for (dest, order) in ahead.into_iter().chain([("backwards", ["1", "0,1"])]) {
             let mut grown = PathBuf::new();
             for scenes in order {
                 grown = made(&bench, layout, dest, &["--scenes", scenes]);

@@ -11,7 +11,11 @@ use super::{PROBES, made};
 /// differ. Numbers that were raised since are not raised again, so that nothing happens twice when this is
 /// stopped and started anew.
 fn needed(stated: &Stated, made: &Digests) -> BTreeMap<String, u32> {
-    let differences = stated.differences(made);
+    let mut differences = stated.differences(made);
+    // Where another dataset was imported, what is made of it differs with it.
+    if differences.iter().any(|difference| difference.stage == IMPORT) {
+        differences.retain(|difference| !difference.key.starts_with("imported/"));
+    }
     // Imports have the version `import`, and are never stale.
     let stages = differences.into_iter().map(|difference| difference.stage).filter(|stage| stage != IMPORT);
     stages.map(|stage| (stage.clone(), stated.versions.get(&stage).map_or(1, |number| number + 1))).collect()
@@ -75,8 +79,14 @@ fn stages_that_differ_are_raised_once() {
     assert_eq!((again.text("x"), again.differences(&stated.digests)), (written.clone(), vec![]));
 
     // One differs, one is gone, one is new; imports have no number.
-    let made =
-        digests(&[["plan", "a b", "1"], ["bev-gt", "b", "2"], ["stats", "e", "1"], ["import", "d", "2"]]);
+    let made = digests(&[
+        ["plan", "a b", "1"],
+        ["bev-gt", "b", "2"],
+        ["stats", "e", "1"],
+        ["import", "d", "2"],
+        // Made of what was imported.
+        ["plan", "imported/x", "1"],
+    ]);
     let raised = versions.raised(&needed(&stated, &made));
     let expected =
         BTreeMap::from([("plan", 1), ("bev-gt", 10), ("stats", 4)].map(|(s, n)| (s.to_owned(), n)));

@@ -60,7 +60,7 @@ pub(crate) fn preflight(source: &Source, options: &NuScenesOptions) -> Result<Ve
         of_scene(scene, options, &mut omissions)?;
     }
     for (map, ground) in grounds {
-        options.canvas(map, ground)?;
+        options.mask_of(map, ground)?;
         if options.map_mask {
             elements(source, map)?;
         }
@@ -107,10 +107,11 @@ fn of_scene(
         }
         if !has_table(scene, *agent, BOXES_2D_TABLE) {
             let why = match has_table(scene, *agent, VISIBLE_TABLE) {
-                true => "the store has no boxes_2d: what is in a picture counts as seen, all else as hidden",
-                false => "the store has neither boxes_2d nor instance images: all counts as seen",
+                true => "there is no boxes_2d of it: what is in a picture counts as seen, all else as hidden",
+                false => "there are neither boxes_2d nor instance images of it: all counts as seen",
             };
-            omissions.insert(Omission::new("shares of objects that are visible", why));
+            let what = format!("shares of objects that are visible to {agent}");
+            omissions.insert(Omission::new(what, why));
         }
         let arrays = [
             (&BEV_MASKS, "BEV masks"),

@@ -32,6 +32,15 @@ pub(super) struct AgentRoster {
     pub(super) omissions: BTreeSet<Omission>,
 }
 
+/// Pictures for a member that has no four cameras, beside members that have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct StandIns {
+    /// Columns and rows of the others' pictures.
+    pub(super) size_px: [u32; 2],
+    /// Whether the others have depths, too.
+    pub(super) have_depths: bool,
+}
+
 /// An exported agent.
 #[derive(Clone, Debug)]
 pub(super) struct Member {
@@ -97,6 +106,11 @@ impl AgentRoster {
         let rates = rates.chain([scene.info().label_every_n_frames, scene.every_n_frames()]);
         let mut roster = Self { every_n_frames: rates.fold(1, least_common_multiple), members, omissions };
         roster.drop_slow_pictures();
+        let without = roster.members.iter().filter(|m| roster.stand_ins(m, options.variant).is_some());
+        let why = "HEAL opens four pictures of every agent: black ones stand in";
+        let stand_ins: Vec<Omission> =
+            without.map(|m| Omission::new(format!("what cameras of {} see", m.agent), why)).collect();
+        roster.omissions.extend(stand_ins);
         Ok(roster)
     }
 
@@ -107,6 +121,16 @@ impl AgentRoster {
 
     pub(super) fn member(&self, agent: AgentId) -> Option<&Member> {
         self.members.iter().find(|member| member.agent == agent)
+    }
+
+    /// What stands in for a member's pictures: HEAL opens four of every agent, whatever it uses of them.
+    pub(super) fn stand_ins(&self, member: &Member, variant: Variant) -> Option<StandIns> {
+        if member.cameras.is_some() || variant != Variant::Opv2v {
+            return None;
+        }
+        let others = self.members.iter().find_map(|other| other.cameras.as_ref())?;
+        let have_depths = others.iter().all(|camera| camera.depth.is_some());
+        Some(StandIns { size_px: others[0].size_px(), have_depths })
     }
 
     /// Cameras must have a picture of every exported frame.
@@ -292,6 +316,12 @@ fn by_direction(cameras: &[&SensorEntry]) -> Option<Vec<usize>> {
         chosen.push(free.min_by(|a, b| off_deg(a).total_cmp(&off_deg(b)))?);
     }
     Some(chosen)
+}
+
+/// Where a camera that stands in is on its agent: at its lidar, in the direction of its number.
+pub(super) fn agent_from_stand_in(lidar: &SensorEntry, number: usize) -> Pose<Agent, Sensor> {
+    let xyz_m = lidar.about.agent_from_sensor.agent_from_sensor::<Sensor>().xyz();
+    Pose::from_xyz_rpy(xyz_m, [0.0, 0.0, frames::deg(VIEWS_DEG[number])])
 }
 
 /// Where a sensor's forward, left, up are on its agent; cameras look forward.

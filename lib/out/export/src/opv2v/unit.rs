@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use codecs::images::{ImageError, Limits, decode_png};
+use codecs::images::{ImageError, Limits, Pixels, PngStyle, decode_png, encode_png};
 use frames::{Agent, Pose, Sensor, World};
 use scene::{ArrayReader, BoxFrames, LabelledBox, SensorEntry, SensorFrames};
 use schema::arrays::BEV_MASKS;
@@ -19,7 +19,7 @@ use super::handedness::{LeftPose, left, left_matrix, left_pose};
 use super::lanes::LaneLines;
 use super::options::{Options, Variant, scenario, split_of};
 use super::record::{map, number, numbers, to_json, to_yaml};
-use super::roster::{AgentRoster, CameraPair, Member, agent_from_camera};
+use super::roster::{AgentRoster, CameraPair, Member, StandIns, agent_from_camera, agent_from_stand_in};
 use super::vehicles::{kmh, listed, listed_class};
 use crate::picture::{grey_png, png_of_jpeg};
 use crate::{ExportError, SceneSource, UnitFiles};
@@ -28,6 +28,8 @@ use crate::{ExportError, SceneSource, UnitFiles};
 const TRAJECTORY: usize = 10;
 /// Beams of the thinned clouds.
 const THINNED: [u16; 2] = [32, 16];
+/// Horizontal field of view that cameras have which stand in, degrees: that of the original rig.
+const STAND_IN_FOV_DEG: f64 = 100.0;
 
 /// Writes all frames of a member; what of it the end must know.
 pub(super) fn write(
@@ -80,6 +82,9 @@ struct Above {
     lanes: Option<LaneLines>,
 }
 
+/// Where a camera is on its agent (it looks forward), and its intrinsics.
+type MountedLens = (Pose<Agent, Sensor>, [[f64; 3]; 3]);
+
 /// A member, frame by frame.
 struct Unit<'a> {
     scene: &'a SceneSource,
@@ -94,6 +99,8 @@ struct Unit<'a> {
     depths: Vec<Option<SensorFrames<CameraRow>>>,
     boxes: BoxFrames,
     above: Option<Above>,
+    /// Where it has no four cameras of its own.
+    stand_ins: Option<StandIns>,
 }
 
 impl<'a> Unit<'a> {
@@ -127,6 +134,7 @@ impl<'a> Unit<'a> {
             pictures,
             depths,
             boxes: scene.boxes_of_all()?,
+            stand_ins: roster.stand_ins(member, options.variant),
             above: (options.variant == Variant::Opv2v)
                 .then(|| Above::open(scene, roster, member.agent))
                 .transpose()?,
@@ -195,10 +203,9 @@ impl<'a> Unit<'a> {
             ("RSU".into(), is_rsu.into()),
         ];
         let world_from_lidar = self.world_from_lidar(self.own, frame);
-        for (number, camera) in self.member.cameras.iter().flatten().enumerate() {
-            let world_from_camera = self.world_from_agent(self.own, frame) * agent_from_camera(&camera.color);
+        for (number, (agent_from_camera, intrinsic)) in self.lenses().into_iter().enumerate() {
+            let world_from_camera = self.world_from_agent(self.own, frame) * agent_from_camera;
             let extrinsic = left_matrix(&(world_from_camera.inverse() * world_from_lidar));
-            let intrinsic = camera.color.about.intrinsics.unwrap_or_default();
             let fields = [
                 ("cords", numbers(left_pose(&world_from_camera))),
                 ("extrinsic", matrix([0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|at| extrinsic[(row, at)])))),
@@ -209,6 +216,22 @@ impl<'a> Unit<'a> {
         let listed = vehicles.len();
         entries.push(("vehicles".into(), map(vehicles)));
         (map(entries), listed)
+    }
+
+    /// Where the four cameras are on the agent, and their intrinsics.
+    fn lenses(&self) -> Vec<MountedLens> {
+        if let Some(StandIns { size_px, .. }) = self.stand_ins {
+            let [width, height] = size_px.map(f64::from);
+            let (sin, cos) = frames::math::sin_cos(0.5 * frames::deg(STAND_IN_FOV_DEG));
+            let focal_px = 0.5 * width * cos / sin;
+            let intrinsic = [[focal_px, 0.0, 0.5 * width], [0.0, focal_px, 0.5 * height], [0.0, 0.0, 1.0]];
+            return (0..4).map(|n| (agent_from_stand_in(&self.member.lidar, n), intrinsic)).collect();
+        }
+        let cameras = self.member.cameras.iter().flatten();
+        let lens = |CameraPair { color, .. }: &CameraPair| {
+            (agent_from_camera(color), color.about.intrinsics.unwrap_or_default())
+        };
+        cameras.map(lens).collect()
     }
 
     /// Where the agent will be, and how fast: x, y, km/h of the next exported frames.
@@ -237,6 +260,20 @@ impl<'a> Unit<'a> {
     ) -> Result<(), ExportError> {
         let wrong = |problem| content(self.scene, self.member, frame, problem);
         let of = |sensor: &SensorEntry, error: ImageError| wrong(format!("{}: {error}", sensor.name));
+        if let Some(StandIns { size_px, have_depths }) = self.stand_ins {
+            let grey = vec![0; size_px[0] as usize * size_px[1] as usize];
+            let rgb = vec![0; 3 * grey.len()];
+            let bad = |error: ImageError| wrong(format!("pictures that stand in: {error}"));
+            let black = encode_png(size_px, &Pixels::Rgb(&rgb), PngStyle::FLAT).map_err(bad)?;
+            let near = grey_png(size_px, &grey).map_err(bad)?;
+            for number in 0..4 {
+                files.put(&format!("{main}_camera{number}.png"), &black)?;
+                if have_depths {
+                    files.put(&format!("{hetero}_depth{number}.png"), &near)?;
+                }
+            }
+            return Ok(());
+        }
         let cameras = self.member.cameras.iter().flatten();
         for (number, CameraPair { color, depth }) in cameras.enumerate() {
             let row = reading(&mut self.pictures[number], frame, color, wrong)?;

@@ -62,13 +62,13 @@ impl SceneObjects {
             ("parent", parent.map_or(Value::None, |id| Value::Int(i64::from(id)))),
             ("attributes", Value::Facts(attributes(row, class, known))),
             ("location", Value::Vector(location(row, class))),
-            ("rotation", Value::Vector(row.rpy_rad.map(frames::to_deg))),
+            ("rotation", Value::Vector(row.rpy_rad.map(degrees))),
             ("linear_velocity", Value::Vector(row.velocity_mps.map(f64::from))),
             ("angular_velocity", Value::Vector(flipped_deg(row.angular_velocity_radps.map(f64::from)))),
             ("semantic_tags", Value::Ints(row.semantic_tags.iter().map(|&tag| i64::from(tag)).collect())),
             ("bounding_box", Value::Corners(row.corners_m)),
             ("distance_to_ego", Value::Float(row.distance_m)),
-            ("angle_to_ego", Value::Float(row.angle_rad.map_or(f64::NAN, frames::to_deg))),
+            ("angle_to_ego", Value::Float(row.angle_rad.map_or(f64::NAN, degrees))),
         ];
         if is_light {
             say_light(row, &mut record);
@@ -143,6 +143,13 @@ impl Combined {
             })
             .collect()
     }
+}
+
+/// An angle of `(-pi, pi]` in degrees from -180 on. What rounding would take to 180 is -180: SimBEV2X's
+/// statistics have no bin for it.
+fn degrees(rad: f64) -> f64 {
+    let degrees = frames::to_deg(rad);
+    if degrees > 180.0 - 1e-6 { -180.0 } else { degrees }
 }
 
 /// Angular velocities in degrees: their x and y have the opposite sign of a right-handed vector's, z is the
@@ -240,7 +247,7 @@ fn say_light(row: &BoxRow, record: &mut Record) {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::FRAC_PI_2;
+    use std::f64::consts::{FRAC_PI_2, PI};
 
     use super::*;
 
@@ -295,6 +302,12 @@ mod tests {
         assert_eq!(get(&record, "location"), &Value::Vector([10.0, 20.0, 3.0]));
         assert_eq!(get(&record, "rotation"), &Value::Vector([0.0, 0.0, 90.0]));
         assert_eq!(get(&record, "angle_to_ego"), &Value::Float(-90.0));
+        // SimBEV2X sorts into 36 bins of 10 degrees from -180 on by `(angle + 180) // 10`.
+        for angle in [PI, PI.next_down(), PI - 1e-9] {
+            assert_eq!(degrees(angle), -180.0);
+        }
+        let below = degrees(PI - 1e-7);
+        assert!(below > 179.999 && ((below + 180.0) / 10.0).floor() < 36.0);
         let degrees = 180.0 / std::f64::consts::PI;
         assert_eq!(
             get(&record, "angular_velocity"),
