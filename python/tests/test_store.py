@@ -259,6 +259,12 @@ class Reading(unittest.TestCase):
             manifest.write_text(text.replace('"format_version": 1', '"format_version": 2'))
             with self.assertRaisesRegex(convoy.StoreError, "format version is 2"):
                 convoy.Dataset(copy).scene(0)
+            dataset = copy / "dataset.json"
+            size = dataset.stat().st_size
+            dataset.write_text(dataset.read_text().replace('"format_version": 1', '"format_version": 2'))
+            self.assertEqual(dataset.stat().st_size, size)
+            with self.assertRaisesRegex(convoy.StoreError, "format version is 2, this package reads 1"):
+                convoy.Dataset(copy)
 
     def test_workers_read_what_their_parent_reads(self):
         for method in ("fork", "spawn"):

@@ -259,6 +259,66 @@ fn convoy_ends_like_a_stage_when_a_store_is_of_another_version() {
     assert!(outcome.code == 2 && outcome.stderr.contains("store format 99"), "{outcome:?}");
 }
 
+/// `dataset.json` of a release to come: nobody opens its store without a word.
+#[test]
+fn a_store_of_a_newer_format_is_refused_by_all() {
+    let bench = Bench::new(TINY);
+    bench.run("spawn-planner", &[]).expect_done();
+    let path = bench.store().join("dataset.json");
+    let dataset = std::fs::read_to_string(&path).expect("is there");
+    let version = format!("\"format_version\": {}", schema::FORMAT_VERSION);
+    assert!(dataset.contains(&version), "{dataset}");
+    std::fs::write(&path, dataset.replace(&version, "\"format_version\": 99")).expect("writes");
+    let before = bench.digests();
+    let store = bench.store().display().to_string();
+    let out = bench.folder.path().join("out.png").display().to_string();
+    let mut said = vec![
+        bench.run("spawn-planner", &["--force"]),
+        bench.run("simulate-and-log", &[]),
+        bench.run("convoy", &["status"]),
+        bench.run("convoy", &["verify"]),
+    ];
+    for args in [
+        &["check", "--store", &store][..],
+        &["view", &store, "--no-open"],
+        &["preview", "--store", &store, "--out", &out],
+        &["export", "kitti", "--store", &store, "--dest", &out],
+    ] {
+        let output = std::process::Command::new(program("convoy")).args(args).output();
+        said.push(Outcome::of(&output.expect("starts")));
+    }
+    for outcome in said {
+        let both = outcome.stderr.contains("store format 99")
+            && outcome.stderr.contains(&schema::FORMAT_VERSION.to_string());
+        assert!(outcome.code == 2 && both, "{outcome:?}");
+    }
+    assert_eq!(bench.digests(), before);
+}
+
+/// A wrong path is a wrong argument: nothing that another try would mend.
+#[test]
+fn a_store_where_a_file_is_or_nothing_is_a_wrong_argument() {
+    let bench = Bench::new(TINY);
+    let verify = bench.run("convoy", &["verify"]);
+    assert!(verify.code == 2 && verify.stderr.contains("is no store"), "{verify:?}");
+    let convoy = |args: &[&str]| {
+        let output = std::process::Command::new(program("convoy")).args(args).output();
+        Outcome::of(&output.expect("starts"))
+    };
+    let store = bench.store().display().to_string();
+    let check = convoy(&["check", "--store", &store]);
+    assert!(check.code == 2 && check.stderr.contains("is no store"), "{check:?}");
+    std::fs::write(bench.store(), "a file").expect("is written");
+    for (name, args) in [("spawn-planner", &[][..]), ("convoy", &["status"]), ("convoy", &["run"])] {
+        let outcome = bench.run(name, args);
+        assert!(outcome.code == 2 && outcome.stderr.contains("is a file"), "{name}: {outcome:?}");
+    }
+    let below = format!("{store}/deep/er");
+    let config = bench.config().display().to_string();
+    let outcome = convoy(&["run", "--config", &config, "--store", &below, "--progress", "none"]);
+    assert!(outcome.code == 2 && outcome.stderr.contains("lies below a file"), "{outcome:?}");
+}
+
 #[test]
 fn a_store_of_an_unknown_kind_says_what_is_known() {
     let bench = Bench::new(TINY);

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
-use convoy_tests::program;
+use convoy_tests::{Bench, Outcome, TINY, program};
 
 /// What `convoy` prints.
 fn convoy(args: &[&str]) -> String {
@@ -52,6 +52,33 @@ fn bash_completes_commands_and_options() {
     }
     for (shell, word) in [("zsh", "#compdef convoy"), ("fish", "complete -c convoy")] {
         assert!(convoy(&["completions", shell]).contains(word), "{shell}");
+    }
+}
+
+/// `convoy status | head`, `convoy check 2>&1 | head`: who reads no further closes the pipe.
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let bench = Bench::new(TINY);
+    let ends = |command: &mut Command, closed: fn(&mut Command, Stdio) -> &mut Command| {
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        Outcome::of(&closed(command, writer.into()).output().expect("the program starts"))
+    };
+    for args in [&["completions", "bash"][..], &["check", "--help"]] {
+        let outcome = ends(Command::new(program("convoy")).args(args), Command::stdout);
+        outcome.expect_done();
+        assert_eq!(outcome.stderr, "", "{args:?}");
+    }
+    // There is no plan yet.
+    let outcome = ends(&mut bench.command("convoy", &["status"]), Command::stdout);
+    assert_eq!((outcome.code, outcome.stderr.as_str()), (1, ""));
+    // Nor does it hide what the end of the program was.
+    std::fs::write(bench.config(), "seed = \"one\"").expect("is written");
+    let outcome = ends(&mut bench.command("convoy", &["status"]), Command::stderr);
+    assert_eq!(outcome.code, 2, "{outcome:?}");
+    for args in [&["check", "nowhere"][..], &["view", "nowhere"]] {
+        let outcome = ends(Command::new(program("convoy")).args(args), Command::stderr);
+        assert_eq!(outcome.code, 2, "{args:?}: {outcome:?}");
     }
 }
 

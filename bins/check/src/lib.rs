@@ -18,10 +18,12 @@ mod space;
 mod vector_map;
 
 use std::collections::BTreeMap;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use rayon::prelude::*;
+use schema::FORMAT_VERSION;
 
 use config::Config;
 use files::read_json;
@@ -71,20 +73,28 @@ pub fn run(args: &CheckArgs) -> u8 {
     }
 }
 
-#[allow(clippy::print_stdout, reason = "the report is what the program is for")]
+/// Prints the report. A reader who has closed the pipe (`check | head`) has seen enough.
 fn say(text: &str) {
-    print!("{text}");
+    let _ = write!(std::io::stdout(), "{text}");
 }
 
-#[allow(clippy::print_stderr, reason = "it has no other words")]
 fn complain(fault: &str) {
-    eprintln!("error: {fault}");
+    let _ = writeln!(std::io::stderr(), "error: {fault}");
 }
 
 /// The report on a store, and whether it is clean.
 fn check(args: &CheckArgs) -> Result<(String, bool), String> {
     let store = args.store.as_path();
+    if !store.join("dataset.json").is_file() {
+        return Err(format!("{} is no store: it has no dataset.json", store.display()));
+    }
     let dataset = read_json(&store.join("dataset.json")).map_err(|e| e.to_string())?;
+    if let Some(found) = dataset["format_version"].as_u64().filter(|&v| v != u64::from(FORMAT_VERSION)) {
+        return Err(format!(
+            "{}: store format {found}, this program checks {FORMAT_VERSION} (use the Convoy that made the store)",
+            store.display()
+        ));
+    }
     let config = Config::of(&dataset).ok_or_else(|| format!("{}: has no configuration", store.display()))?;
     let there = scene_numbers(store);
     let wanted = args.scenes.as_deref().map(scene_list).transpose()?;

@@ -1,6 +1,6 @@
 //! What shells and `man` know of this program.
 
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
@@ -37,8 +37,11 @@ pub(crate) fn run(command: ShellCommand, program: clap::Command) -> u8 {
 fn completions(shell: Shell, mut program: clap::Command) -> Result<(), Fault> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut program, "convoy", &mut script);
-    let written = std::io::stdout().write_all(&script);
-    written.map_err(|source| Fault::Write { path: "standard output".into(), source })
+    match std::io::stdout().write_all(&script) {
+        // `convoy completions bash | head`
+        Err(closed) if closed.kind() == ErrorKind::BrokenPipe => Ok(()),
+        written => written.map_err(|source| Fault::Write { path: "standard output".into(), source }),
+    }
 }
 
 fn manual(folder: &Path, program: clap::Command) -> Result<(), Fault> {

@@ -25,6 +25,7 @@ class Dataset:
     def __init__(self, store: str | os.PathLike[str]) -> None:
         self.path = pathlib.Path(store).absolute()
         self._files = Files(self.path, None)
+        self._files.check_format(self._files.json("dataset.json"), "dataset.json")
         rows = self._files.table("plan/scenes.parquet", ["scene", "split", "map", "frames"]).to_pylist()
         self._plan = {row["scene"]: row for row in rows}
         self._scenes: dict[int, Scene] = {}

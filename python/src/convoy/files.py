@@ -97,12 +97,7 @@ class Files:
         for path in names:
             manifest = self._json(path)
             try:
-                if manifest["format_version"] != FORMAT_VERSION:
-                    raise self.error(
-                        f"its format version is {manifest['format_version']}, this package reads {FORMAT_VERSION}",
-                        file=str(path),
-                        do="install the convoy-data of the Convoy that made the store",
-                    )
+                self.check_format(manifest, str(path))
                 self.outputs.update({output["key"]: int(output["bytes"]) for output in manifest["outputs"]})
                 self.stages.add(manifest["stage"])
             except (KeyError, TypeError, ValueError) as fault:
@@ -111,6 +106,16 @@ class Files:
     def error(self, what: str, *, do: str, file: str | None = None) -> StoreError:
         """A fault in this scene."""
         return StoreError(what, do=do, file=file, scene=self.scene)
+
+    def check_format(self, document: dict[str, Any], file: str) -> None:
+        """Refuses a store whose files may look otherwise."""
+        found = document.get("format_version")
+        if found != FORMAT_VERSION:
+            raise self.error(
+                f"its format version is {found}, this package reads {FORMAT_VERSION}",
+                file=file,
+                do="install the convoy-data of the Convoy that made the store",
+            )
 
     def _redo(self, key: str | None = None) -> str:
         stage = f"make stage STAGE={stage_of(key)} FORCE=1" if key else "make dataset"

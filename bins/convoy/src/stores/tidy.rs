@@ -10,7 +10,7 @@ use store::{Scope, Store, StoreError, keys};
 
 /// Removes tiles that no scene's log names.
 pub(crate) fn tidy(store: &Path) -> u8 {
-    match Store::open(store).and_then(|store| remove_unused(&store)) {
+    match Store::open_made(store).and_then(|store| remove_unused(&store)) {
         Ok((tiles, bytes)) => {
             say(&format!("{tiles} tiles removed, {:.1} MB", bytes as f64 / 1e6));
             EXIT_DONE

@@ -97,10 +97,12 @@ fn carried(s: &Section<'_>, d: &Rig) -> Rig {
     let lidars_tables = d.lidars.iter().flat_map(|l| [l.name.clone(), l.semantic().name]);
     let mut tables = TableNames::new(lidars_tables.chain(fixed));
     let shared = s.section("camera", "What all cameras share.");
+    let has_cameras = Key::new("enabled", "Write the cameras' images.").read(&shared, &true);
     let pictures = Pictures::read(&shared, &Pictures::default());
+    let all = cameras(s, (&d.cameras, &pictures), &mut tables);
     Rig {
         camera: CameraSettings::read(&shared, &d.camera),
-        cameras: cameras(s, (&d.cameras, &pictures), &mut tables),
+        cameras: if has_cameras { all } else { Vec::new() },
         lidars: lidars(s, &d.lidars[0], &mut tables),
         radars: radars(s, &d.radars, &mut tables),
         gnss: gnss(&s.section("gnss", "GNSS receiver."), d.gnss.is_some()),

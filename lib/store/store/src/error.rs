@@ -74,8 +74,18 @@ pub enum StoreError {
         /// The manifest that both wanted to write.
         path: String,
     },
+    /// There is nothing.
+    #[error(
+        "{path} is no store: it has neither dataset.json nor a plan (`make dataset STORE=...` makes one)"
+    )]
+    NoStore {
+        /// The place.
+        path: String,
+    },
     /// A store of another layout version.
-    #[error("{path}: store format {found}, this program reads and writes {expected} (use a fresh store)")]
+    #[error(
+        "{path}: store format {found}, this program reads and writes {expected} (use the Convoy that made the store, or a fresh store)"
+    )]
     Format {
         /// The file that says so.
         path: String,
@@ -144,6 +154,6 @@ impl StoreError {
     /// program.
     #[must_use]
     pub fn is_usage(&self) -> bool {
-        matches!(self, Self::Format { .. } | Self::Place { .. })
+        matches!(self, Self::Format { .. } | Self::Place { .. } | Self::NoStore { .. })
     }
 }

@@ -65,9 +65,28 @@ impl Store {
     /// ```
     ///
     /// # Errors
-    /// A URL of a kind that is not known.
+    /// A URL of a kind that is not known, a file, or a store of another format.
     pub fn open(place: impl AsRef<OsStr>) -> Result<Self, StoreError> {
-        Ok(Self { backend: place::open(place.as_ref())? })
+        let store = Self { backend: place::open(place.as_ref())? };
+        if let Some(dataset) = store.read(keys::DATASET)? {
+            store.check_format(keys::DATASET, &dataset)?;
+        }
+        Ok(store)
+    }
+
+    /// The store at a place where there is one.
+    ///
+    /// # Errors
+    /// [`StoreError::NoStore`], or those of [`Store::open`].
+    pub fn open_made(place: impl AsRef<OsStr>) -> Result<Self, StoreError> {
+        let store = Self::open(place.as_ref())?;
+        // One of them may have been lost.
+        for key in [keys::DATASET, &Scope::Plan.manifest("")] {
+            if store.read(key)?.is_some() {
+                return Ok(store);
+            }
+        }
+        Err(StoreError::NoStore { path: place.as_ref().display().to_string() })
     }
 
     /// A store on any backend.

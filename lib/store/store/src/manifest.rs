@@ -88,7 +88,7 @@ pub struct Failure {
     pub reason: String,
 }
 
-/// What all versions of a manifest have.
+/// What all versions of a manifest, and of `dataset.json`, have.
 #[derive(Deserialize)]
 struct Versioned {
     format_version: u32,
@@ -190,12 +190,19 @@ impl Store {
     pub(crate) fn manifest_at(&self, key: &str) -> Result<Option<Manifest>, StoreError> {
         let Some(bytes) = self.read(key)? else { return Ok(None) };
         // The version first: what follows it may look otherwise in another one.
-        let Versioned { format_version } = self.parse(key, &bytes)?;
-        if format_version != schema::FORMAT_VERSION {
-            let (path, expected) = (self.location(key), schema::FORMAT_VERSION);
-            return Err(StoreError::Format { path, found: format_version, expected });
-        }
+        self.check_format(key, &bytes)?;
         self.parse(key, &bytes).map(Some)
+    }
+
+    /// Refuses a document that names another format version. A damaged one is for its readers to name.
+    pub(crate) fn check_format(&self, key: &str, document: &[u8]) -> Result<(), StoreError> {
+        match serde_json::from_slice(document) {
+            Ok(Versioned { format_version: found }) if found != schema::FORMAT_VERSION => {
+                let (path, expected) = (self.location(key), schema::FORMAT_VERSION);
+                Err(StoreError::Format { path, found, expected })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Writes a manifest where there is none. One that differs by remarks alone is as good as this one.

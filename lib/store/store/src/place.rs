@@ -9,7 +9,7 @@ use crate::{Backend, Disk, Memory, StoreError};
 /// The place of storage that a path or a URL names.
 pub(crate) fn open(place: &OsStr) -> Result<Arc<dyn Backend>, StoreError> {
     // A path that is no UTF-8 is no URL either.
-    let Some(text) = place.to_str() else { return Ok(Arc::new(Disk::new(Path::new(place)))) };
+    let Some(text) = place.to_str() else { return folder(Path::new(place)) };
     let unsupported =
         |problem: &str| StoreError::Place { place: text.to_owned(), problem: problem.to_owned() };
     if text == "memory:" {
@@ -17,16 +17,32 @@ pub(crate) fn open(place: &OsStr) -> Result<Arc<dyn Backend>, StoreError> {
     }
     match text.split_once("://") {
         None if text.is_empty() => Err(unsupported("names no place")),
-        None => Ok(Arc::new(Disk::new(Path::new(text)))),
+        None => folder(Path::new(text)),
         Some(("file", rest)) => {
             let path = rest.strip_prefix("localhost").unwrap_or(rest);
             if !path.starts_with('/') {
                 return Err(unsupported("a file URL takes a whole path, file:///FOLDER"));
             }
             let path = decoded(path).ok_or_else(|| unsupported("has a % without two hexadecimal digits"))?;
-            Ok(Arc::new(Disk::new(&path)))
+            folder(&path)
         }
         Some((scheme, _)) => Err(unsupported(&format!("there is no store of kind `{scheme}`"))),
+    }
+}
+
+/// A folder, which need not exist yet.
+fn folder(path: &Path) -> Result<Arc<dyn Backend>, StoreError> {
+    let first_there = path.ancestors().find_map(|above| Some((above, above.metadata().ok()?)));
+    match first_there {
+        Some((above, found)) if !found.is_dir() => Err(StoreError::Place {
+            place: path.display().to_string(),
+            problem: if above == path {
+                "is a file".to_owned()
+            } else {
+                format!("lies below a file, {}", above.display())
+            },
+        }),
+        _ => Ok(Arc::new(Disk::new(path))),
     }
 }
 
@@ -64,6 +80,18 @@ mod tests {
             let store = Store::open(place).expect(place);
             assert_eq!(store.location("x"), location, "{place}");
         }
+    }
+
+    #[test]
+    fn files_hold_no_store() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let file = folder.path().join("file");
+        std::fs::write(&file, "").expect("is written");
+        let said = |place: &std::path::Path| Store::open(place).expect_err("is a file");
+        assert!(said(&file).to_string().contains("file`: is a file; a store is a folder"));
+        assert!(said(&file.join("a/b")).to_string().contains("lies below a file, "));
+        assert!(said(&file).is_usage());
+        assert!(Store::open(folder.path().join("new/store")).is_ok());
     }
 
     #[test]

@@ -386,7 +386,7 @@ fn the_published_plan_has_its_sizes() {
 #[test]
 fn sensors_can_be_moved_added_and_switched_off() {
     let text = "[scenes.train]\n\"convoy/demo\" = 1\n[vehicle.lidar]\nsemantic = true\nchannels = 32\n\
-                [rsu.radar]\nenabled = false\n[vehicle.gnss]\nenabled = false\n\
+                [rsu.radar]\nenabled = false\n[rsu.camera]\nenabled = false\n[vehicle.gnss]\nenabled = false\n\
                 [[vehicle.cameras]]\nname = \"CAM_ROOF\"\nxyz_m = [0, 0, 2.5]\nrpy_deg = [0, 15, 180]\n";
     let s = parse(text, "x.toml").expect("is valid");
     let names: Vec<&str> = s.vehicle_rig.lidars.iter().map(|l| l.name.as_str()).collect();
@@ -395,4 +395,5 @@ fn sensors_can_be_moved_added_and_switched_off() {
     assert_eq!(s.vehicle_rig.cameras.len(), 1);
     assert!((s.vehicle_rig.cameras[0].mount.rpy_rad[2] - std::f64::consts::PI).abs() < 1e-12);
     assert!(s.rsu_rig.radars.is_empty() && s.vehicle_rig.gnss.is_none());
+    assert!(s.rsu_rig.cameras.is_empty() && !DatasetSettings::default().rsu_rig.cameras.is_empty());
 }
