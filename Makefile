@@ -1,12 +1,15 @@
 # Everyday commands. CI calls the same targets.
 
 CONFIG ?= configs/demo.toml
-STORE  ?= dataset
+# The demo's store is `dataset`; that of another configuration has its name, or that of its file.
+STORE  ?= $(if $(filter configs/demo.toml ./configs/demo.toml,$(CONFIG)),dataset,$(or $(NAME_IN_CONFIG),$(basename $(notdir $(CONFIG)))))
+NAME_IN_CONFIG = $(shell sed -n '/^\[/q; s/^name *= *"\([^"/ ]*\)".*/\1/p' $(CONFIG) 2>/dev/null)
 MAPS   ?=
 JOBS   ?=
 SCENES ?=
 STAGE  ?=
 FORCE  ?=
+REDO   ?=
 EVERY  ?=
 NAME   ?=
 SEED   ?=
@@ -32,6 +35,7 @@ MAPS_ARG    = $(if $(MAPS),--maps $(MAPS))
 THREADS_ARG = $(if $(JOBS),--threads $(JOBS))
 SCENES_ARG  = $(if $(SCENES),--scenes $(SCENES))
 FORCE_ARG   = $(if $(FORCE),--force)
+REDO_ARG    = $(if $(REDO),--redo)
 EVERY_ARG   = $(if $(EVERY),--every $(EVERY))
 SEED_ARG    = $(if $(SEED),--seed $(SEED))
 SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
@@ -41,7 +45,7 @@ COMMON      = --config $(CONFIG) --store $(STORE)
 .PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels docs help
 
 help:
-	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=dataset] [MAPS=folder] [JOBS=n]"
+	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [REDO=1]    (STORE: dataset for the demo, else the configuration's name)"
 	@echo "make forecast                      (same arguments: scenes, frames, bytes and hours to expect)"
 	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
 	@echo "make status | stats | verify        (same CONFIG and STORE)"
@@ -66,7 +70,7 @@ build:
 
 # Everything that is missing or stale, in order.
 dataset: build
-	$(BIN)/convoy run $(COMMON) $(MAPS_ARG) $(THREADS_ARG) $(SCENES_ARG)
+	$(BIN)/convoy run $(COMMON) $(MAPS_ARG) $(THREADS_ARG) $(SCENES_ARG) $(REDO_ARG) $(FORCE_ARG)
 
 # What the plan would come to: scenes, agent-frames, bytes, hours. Writes nothing.
 forecast: build
@@ -75,7 +79,7 @@ forecast: build
 # One stage for some scenes.
 stage: build
 	@test -n "$(STAGE)" || { echo "say which: make stage STAGE=render-sensors [SCENES=1] [FORCE=1]"; exit 2; }
-	$(BIN)/$(STAGE) $(COMMON) $(MAPS_ARG) $(THREADS_ARG) $(SCENES_ARG) $(FORCE_ARG)
+	$(BIN)/$(STAGE) $(COMMON) $(MAPS_ARG) $(THREADS_ARG) $(SCENES_ARG) $(FORCE_ARG) $(REDO_ARG)
 
 stats: build
 	$(BIN)/stats $(COMMON) $(THREADS_ARG) $(FORCE_ARG)
@@ -189,7 +193,7 @@ check-towns: build
 # Raises the numbers of versions.toml and renews the digests of the probes, where shards have other bytes now.
 accept-bytes:
 	$(CARGO) build --locked --workspace --bins --tests
-	$(CARGO) test --locked -p convoy-tests --test across -- --ignored --exact --nocapture probes::accept::accept_bytes
+	$(CARGO) test --locked --workspace --test across -- --ignored --exact --nocapture probes::accept::accept_bytes
 
 # Watches traffic in 28 scenes of 90 s and prints what is wrong with it (docs/traffic.md): make traffic-report
 # [ARGS="--seeds 1 --faults Town03"].

@@ -23,5 +23,6 @@ mod replay;
 mod rigs;
 mod seen;
 mod shell;
+mod slips;
 mod towns;
 mod view;

@@ -62,7 +62,7 @@ fn stores_of_other_plans_are_refused() {
         assert_eq!(here.digests(), before, "nothing was taken");
     };
     let seed = config().lines().find(|line| line.starts_with("seed")).expect("has a seed").to_owned();
-    expect(&made(&config().replace(&seed, "seed = 77"), "1"), "its setting seed is another");
+    expect(&made(&config().replace(&seed, "seed = 77"), "1"), "have different settings: seed: 11 -> 77");
     // A larger plan has scenes that this one does not.
     let larger = TINY.replace("\"convoy/demo\" = 1", "\"convoy/demo\" = 3");
     expect(&made(&larger, "2"), "its scene 2 is not planned");

@@ -10,6 +10,7 @@ use std::path::Path;
 use catalogue::Catalogue;
 use packs::PackModel;
 use plan::{Plan, PlanMap, Roster, SceneSlot};
+use runner::forecast::{self, Planned};
 use runner::{At, Job, Place, Stage, StageError, StageSettings};
 use schema::table::Row;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow};
@@ -26,17 +27,25 @@ pub const STAGE: Stage<PlanSettings> = Stage {
         all.extend(models::digests(settings, folder));
         all
     },
+    // Plans without writing.
+    sections: Some(|settings, folder, store| {
+        let Made { plan, models, .. } = make(settings, folder, store)?;
+        sections(store, &plan, &models)
+    }),
     // Plans without writing, and says what that would come to.
     forecast: Some(|all, folder, store| {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        Ok(plan::forecast::lines(all, &make(&PlanSettings::of(all), folder, store)?.plan, cores))
+        let made = make(&PlanSettings::of(all), folder, store)?;
+        made.warn();
+        let plan = made.plan;
+        Ok(forecast::lines(all, &Planned { scenes: &plan.scenes, agents: &plan.agents }, cores))
     }),
 };
 /// Its name.
 const NAME: &str = Stage::<PlanSettings>::NAME;
 
 /// A plan and the maps it stands on.
-struct Planned {
+struct Made {
     roster: Roster,
     texts: BTreeMap<String, MapSource>,
     maps: BTreeMap<String, PlanMap>,
@@ -44,7 +53,7 @@ struct Planned {
     plan: Plan,
 }
 
-fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Result<Planned, StageError> {
+fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Result<Made, StageError> {
     let mut settings = as_written.clone();
     for wish in &mut settings.scenes {
         wish.map = maps::name_in_store(&wish.map).to_owned();
@@ -63,18 +72,25 @@ fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Resu
     let rows: Vec<PlanModelRow> = models.iter().map(|model| model.row.clone()).collect();
     let plan =
         plan::plan_slots(&settings, &roster.slots, &maps, &Catalogue::with(&rows)).at(Place::default)?;
-    for warning in roster.warnings.iter().chain(&plan.warnings) {
-        tracing::warn!("{warning}");
+    Ok(Made { roster, texts, maps, models, plan })
+}
+
+impl Made {
+    fn warn(&self) {
+        for warning in self.roster.warnings.iter().chain(&self.plan.warnings) {
+            tracing::warn!("{warning}");
+        }
     }
-    Ok(Planned { roster, texts, maps, models, plan })
 }
 
 fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
     let as_written = job.settings().clone();
-    let Planned { roster, texts, maps, models, plan } = make(&as_written, job.maps_folder(), job.store())?;
+    let made = make(&as_written, job.maps_folder(), job.store())?;
+    made.warn();
+    let Made { roster, texts, maps, models, plan } = made;
     let rows: Vec<PlanModelRow> = models.iter().map(|model| model.row.clone()).collect();
-    for scene in &plan.scenes {
-        job.plan_scene(scene.scene, scene_digest(scene, &plan, &rows));
+    for (scene, digest) in sections(job.store(), &plan, &models)? {
+        job.plan_scene(scene, digest);
     }
     let store = job.store().clone();
     if let Some(mut unit) = job.unit("plan")? {
@@ -101,6 +117,44 @@ fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
     Ok(())
 }
 
+/// Digests of all scenes of a plan. A scene whose rows are those of the plan before keeps its digest,
+/// whatever the release that gave it: what was made of it is not stale.
+fn sections(store: &Store, plan: &Plan, models: &[PackModel]) -> Result<BTreeMap<u32, String>, StageError> {
+    let rows: Vec<PlanModelRow> = models.iter().map(|model| model.row.clone()).collect();
+    let before = before(store);
+    let digest = |scene: &PlanSceneRow| {
+        let digest = scene_digest(scene, plan, &rows)?;
+        let kept = before.get(&scene.scene).filter(|(rows, _)| *rows == digest);
+        Ok((scene.scene, kept.map_or(digest.clone(), |(_, kept)| kept.clone())))
+    };
+    plan.scenes.iter().map(digest).collect()
+}
+
+/// Of each scene of the plan before the digest of its rows, and the digest that the store has; nothing where
+/// there is no such plan, or it cannot be read.
+fn before(store: &Store) -> BTreeMap<u32, (String, String)> {
+    let read = || -> Result<BTreeMap<u32, (String, String)>, StageError> {
+        let Some(manifest) = store.manifest(Scope::Plan, NAME)? else { return Ok(BTreeMap::new()) };
+        let plan = Plan {
+            scenes: store.read_rows(&manifest, keys::PLAN_SCENES)?,
+            agents: store.read_rows(&manifest, keys::PLAN_AGENTS)?,
+            hazards: store.read_rows(&manifest, keys::PLAN_HAZARDS)?,
+            ..Plan::default()
+        };
+        let models: Vec<PlanModelRow> = match manifest.output(keys::PLAN_MODELS) {
+            Some(_) => store.read_rows(&manifest, keys::PLAN_MODELS)?,
+            None => Vec::new(),
+        };
+        let mut found = BTreeMap::new();
+        for scene in &plan.scenes {
+            let Some(kept) = manifest.sections.get(&format!("scene/{:04}", scene.scene)) else { continue };
+            found.insert(scene.scene, (scene_digest(scene, &plan, &models)?, kept.clone()));
+        }
+        Ok(found)
+    };
+    read().unwrap_or_default()
+}
+
 /// Numbers for the scenes of the settings: those of an earlier plan of this store stand.
 fn enrol(store: &Store, settings: &PlanSettings) -> Result<Roster, StageError> {
     let existing: Vec<SceneSlot> = store.read_json(keys::ROSTER)?.unwrap_or_default();
@@ -117,17 +171,17 @@ fn enrol(store: &Store, settings: &PlanSettings) -> Result<Roster, StageError> {
 
 /// Digest of everything the plan says about one scene: the simulation of a scene depends on nothing else of
 /// it.
-fn scene_digest(scene: &PlanSceneRow, plan: &Plan, models: &[PlanModelRow]) -> String {
+fn scene_digest(scene: &PlanSceneRow, plan: &Plan, models: &[PlanModelRow]) -> Result<String, StageError> {
     let number = scene.scene;
     let agents: Vec<PlanAgentRow> = plan.agents.iter().filter(|a| a.scene == number).cloned().collect();
     let hazards: Vec<PlanHazardRow> = plan.hazards.iter().filter(|h| h.scene == number).cloned().collect();
-    let scene = PlanSceneRow::to_columns(std::slice::from_ref(scene));
-    // Debug prints every bit of every number that matters: shortest text that reads back the same.
-    let (agents, hazards) = (PlanAgentRow::to_columns(&agents), PlanHazardRow::to_columns(&hazards));
-    let mut all = format!("{scene:?}\n{agents:?}\n{hazards:?}");
-    if !models.is_empty() {
+    let all = [
+        PlanSceneRow::to_columns(std::slice::from_ref(scene)),
+        PlanAgentRow::to_columns(&agents),
+        PlanHazardRow::to_columns(&hazards),
         // Any of them may drive or stand in any scene.
-        all.push_str(&format!("\n{:?}", PlanModelRow::to_columns(models)));
-    }
-    store::hash_bytes(all.as_bytes())
+        PlanModelRow::to_columns(models),
+    ];
+    // Numbers are the shortest text that reads back the same.
+    Ok(store::hash_bytes(&serde_json::to_vec(&all).at(Place::default)?))
 }

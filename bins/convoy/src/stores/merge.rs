@@ -160,9 +160,9 @@ fn copy_of(member: &Member) -> Member {
 
 /// Refuses a store of other settings, or whose scenes are planned otherwise.
 fn same_plan(here: &Member, other: &Member) -> Result<(), Fault> {
-    if let Some(path) = settings::first_difference(&here.settings, &other.settings) {
+    if let Some(change) = settings::key_changes(&here.settings, &other.settings).first() {
         let (here, other) = (&here.name, &other.name);
-        return Err(Fault::Refused(format!("{other}: its setting {path} is another than in {here}")));
+        return Err(Fault::Refused(format!("{here} and {other} have different settings: {change}")));
     }
     for scene in other.scenes()? {
         let (there, ours) = (other.planned(scene), here.planned(scene));

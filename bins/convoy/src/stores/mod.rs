@@ -12,8 +12,9 @@ use clap::Subcommand;
 use store::{Scope, Store};
 
 use runner::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, Programs, STAMP_LEN, SceneList,
-    StageError, StageSpec, State, StateError, Status, UnitKind, planned_scenes, say, settings_or_faults,
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Foresight, Graph, Programs, STAMP_LEN,
+    SceneList, StageError, StageSpec, State, StateError, Status, UnitKind, planned_scenes, say,
+    settings_or_faults,
 };
 
 /// How often a running stage is looked at.
@@ -36,6 +37,13 @@ pub(crate) enum StoreCommand {
         /// Only these scenes.
         #[arg(long, value_name = "LIST")]
         scenes: Option<String>,
+        /// Make finished work again that a changed configuration makes stale. Without it `run` asks, or ends
+        /// with 2 and touches nothing, where that is more than `store.ask_beyond_s`.
+        #[arg(long)]
+        redo: bool,
+        /// Let a configuration of another name take over the store.
+        #[arg(long, conflicts_with = "accept_code")]
+        force: bool,
         /// Keep what older code made, where nothing else changed; the manifests say so. For upgrades in
         /// mid-dataset.
         #[arg(long)]
@@ -92,7 +100,18 @@ pub(crate) enum StoreCommand {
 #[must_use]
 pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
     match command {
-        StoreCommand::Run { config, store, maps, scenes, accept_code, threads, dry_run, progress } => {
+        StoreCommand::Run {
+            config,
+            store,
+            maps,
+            scenes,
+            redo,
+            force,
+            accept_code,
+            threads,
+            dry_run,
+            progress,
+        } => {
             let mut common: Vec<String> = vec!["--config".into(), config.display().to_string()];
             common.extend(["--store".into(), store.display().to_string()]);
             if let Some(maps) = maps {
@@ -108,7 +127,9 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
                 common.push("--dry-run".into());
             }
             common.extend(["--progress".into(), progress.word().into()]);
-            run(&common, scenes.as_deref(), &store)
+            let of_planner = [("--redo", redo), ("--force", force)].into_iter().filter(|(_, wanted)| *wanted);
+            let of_planner: Vec<&str> = of_planner.map(|(word, _)| word).collect();
+            run(&common, &of_planner, scenes.as_deref(), &store)
         }
         StoreCommand::Status { config, store, scenes } => {
             let programs = Programs::of_build(stamp, None);
@@ -121,7 +142,7 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
 }
 
 /// Runs every stage as a process of its own: a stage's memory ends with it, and a crash is the stage's alone.
-fn run(common: &[String], scenes: Option<&str>, store: &std::path::Path) -> u8 {
+fn run(common: &[String], of_planner: &[&str], scenes: Option<&str>, store: &std::path::Path) -> u8 {
     let folder = match std::env::current_exe() {
         Ok(exe) => exe.parent().map(std::path::Path::to_owned).unwrap_or_default(),
         Err(e) => {
@@ -138,6 +159,10 @@ fn run(common: &[String], scenes: Option<&str>, store: &std::path::Path) -> u8 {
         command.args(common);
         if let (UnitKind::Scene, Some(scenes)) = (stage.unit, scenes) {
             command.args(["--scenes", scenes]);
+        }
+        // The planner asks for all stages, and records what was agreed: they do not ask again.
+        if stage.unit == UnitKind::Plan {
+            command.args(of_planner);
         }
         let start = Instant::now();
         let code = match run_program(&mut command) {
@@ -204,9 +229,15 @@ fn status(
     programs: &Programs,
 ) -> u8 {
     let Some(settings) = settings_or_faults(config, false) else { return EXIT_USAGE };
-    let told = Store::open(store)
-        .map_err(StageError::from)
-        .and_then(|store| Ok(status_table(Status::new(&store, &settings, programs), &store, only)?));
+    let told = Store::open(store).map_err(StageError::from).and_then(|store| {
+        let all_done = status_table(Status::new(&store, &settings, programs), &store, only)?;
+        let foresight = Foresight::of_plan(&store, &settings, programs)?;
+        for (_, line) in foresight.lines() {
+            say(&format!("the next run makes again {line}"));
+        }
+        foresight.changed().for_each(|line| say(&line));
+        Ok(all_done)
+    });
     match told {
         Ok(all_done) => {
             if all_done {
@@ -282,7 +313,7 @@ fn all_stages(store: &Store) -> Result<Vec<(Scope, &'static str)>, store::StoreE
 }
 
 fn verify(store: &std::path::Path) -> u8 {
-    let verified = Store::open(store).and_then(|store| {
+    let verified = Store::open_made(store).and_then(|store| {
         let stages = all_stages(&store)?;
         store::verify(&store, &stages, |_| {})
     });

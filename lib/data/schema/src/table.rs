@@ -2,10 +2,12 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 use crate::text::Text;
 
 /// Values of one column, in row order.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[allow(missing_docs, reason = "one variant per column type")]
 pub enum Column {
     Bool(Vec<bool>),

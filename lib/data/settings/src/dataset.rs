@@ -15,6 +15,7 @@ use crate::per_agent::PerAgent;
 use crate::reader::{Section, describe};
 use crate::rig::{OwnRig, Rig};
 use crate::scenes::SceneCount;
+use crate::store::StoreSettings;
 use crate::timing::TimingSettings;
 use crate::tracks::TrackSettings;
 use crate::traffic::TrafficSettings;
@@ -28,6 +29,9 @@ settings! {
     pub struct DatasetSettings {
         /// Name of the dataset, in reports.
         name: String = "dataset".into();
+        /// How the store is kept: nothing of the dataset.
+        #[serde(skip)]
+        store: StoreSettings = StoreSettings::default(), table();
         /// Words of the dataset's card, README.md in the store.
         card: CardSettings = CardSettings::default(), table();
         /// Seed of every random stream but that of the scenery (`world.seed`).

@@ -1,20 +1,137 @@
 //! Where two resolved configurations differ.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 
-/// Where two resolved configurations differ first: keys with points between them.
+use serde_json::Value;
+
+/// Where `dataset.json` keeps keys, and where a configuration has them.
+const PLACES: [(&str, &str); 5] = [
+    ("vehicle_rig", "vehicle"),
+    ("rsu_rig", "rsu"),
+    ("own_rigs", "rigs"),
+    ("vehicle_occupancy", "vehicle.occupancy"),
+    ("rsu_occupancy", "rsu.occupancy"),
+];
+/// Values are told with at most so many characters.
+const MOST_CHARS: usize = 48;
+
+/// A key that has another value in another configuration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeyChange {
+    /// Its names with points between them; tables of a list by their `name`, else by their number.
+    pub key: String,
+    /// Its value before, if it was there.
+    pub old: Option<Value>,
+    /// Its value now, if it is there.
+    pub new: Option<Value>,
+}
+
+impl fmt::Display for KeyChange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {} -> {}", self.key, told(self.old.as_ref()), told(self.new.as_ref()))
+    }
+}
+
+fn told(value: Option<&Value>) -> String {
+    let Some(value) = value else { return "none".into() };
+    let text = value.to_string();
+    if text.chars().count() <= MOST_CHARS {
+        return text;
+    }
+    text.chars().take(MOST_CHARS - 3).chain("...".chars()).collect()
+}
+
+/// The keys that have another value in another resolved configuration (`config` of `dataset.json`), in the
+/// order of their names.
 #[must_use]
-pub fn first_difference(a: &serde_json::Value, b: &serde_json::Value) -> Option<String> {
-    match (a.as_object(), b.as_object()) {
-        (Some(a), Some(b)) => {
-            let names: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
-            names.into_iter().find_map(|name| {
-                let null = serde_json::Value::Null;
-                let path = first_difference(a.get(name).unwrap_or(&null), b.get(name).unwrap_or(&null))?;
-                Some(if path.is_empty() { name.clone() } else { format!("{name}.{path}") })
-            })
+pub fn key_changes(old: &Value, new: &Value) -> Vec<KeyChange> {
+    let mut found = Vec::new();
+    compare("", (Some(old), Some(new)), &mut found);
+    found
+}
+
+fn compare(path: &str, (old, new): (Option<&Value>, Option<&Value>), found: &mut Vec<KeyChange>) {
+    // A value that is null is none.
+    let (old, new) = (old.filter(|v| !v.is_null()), new.filter(|v| !v.is_null()));
+    if old == new {
+        return;
+    }
+    if let (Some(Value::Object(a)), Some(Value::Object(b))) = (old, new) {
+        let names: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
+        for name in names {
+            compare(&below(path, name), (a.get(name), b.get(name)), found);
         }
-        _ => (a != b).then(String::new),
+        return;
+    }
+    if let (Some(Value::Array(a)), Some(Value::Array(b))) = (old, new)
+        && let (Some(a), Some(b)) = (as_pairs(a), as_pairs(b))
+    {
+        let names: BTreeSet<&str> = a.keys().chain(b.keys()).copied().collect();
+        for name in names {
+            compare(&below(path, name), (a.get(name).copied(), b.get(name).copied()), found);
+        }
+        return;
+    }
+    if let (Some(Value::Array(a)), Some(Value::Array(b))) = (old, new)
+        && a.iter().chain(b).all(Value::is_object)
+    {
+        let names: Vec<String> = names_of(a).into_iter().chain(names_of(b)).collect();
+        let mut told = BTreeSet::new();
+        for name in names.into_iter().filter(|name| told.insert(name.clone())) {
+            let of = |list: &'_ [Value]| names_of(list).iter().position(|other| *other == name);
+            let pair = (of(a).map(|at| &a[at]), of(b).map(|at| &b[at]));
+            compare(&format!("{path}[{name}]"), pair, found);
+        }
+        // The order alone.
+        if !found.iter().any(|change| change.key.starts_with(&format!("{path}["))) {
+            found.push(KeyChange { key: path.to_owned(), old: old.cloned(), new: new.cloned() });
+        }
+        return;
+    }
+    let (key, degrees) = match path.strip_suffix("_rad") {
+        Some(stem) => (format!("{stem}_deg"), true),
+        None => (path.to_owned(), false),
+    };
+    let written = |value: Option<&Value>| value.map(|v| if degrees { in_degrees(v) } else { v.clone() });
+    found.push(KeyChange { key, old: written(old), new: written(new) });
+}
+
+/// A list of pairs of a name and a value.
+fn as_pairs(list: &[Value]) -> Option<BTreeMap<&str, &Value>> {
+    fn pair(item: &Value) -> Option<(&str, &Value)> {
+        match item.as_array()?.as_slice() {
+            [Value::String(name), value] => Some((name, value)),
+            _ => None,
+        }
+    }
+    list.iter().map(pair).collect()
+}
+
+fn below(path: &str, name: &str) -> String {
+    if path.is_empty() {
+        let place = PLACES.iter().find(|(kept, _)| *kept == name);
+        return place.map_or(name, |(_, written)| written).to_owned();
+    }
+    format!("{path}.{name}")
+}
+
+/// What tells the tables of a list apart.
+fn names_of(list: &[Value]) -> Vec<String> {
+    let name = |(number, item): (usize, &Value)| {
+        item["name"].as_str().map_or_else(|| number.to_string(), str::to_owned)
+    };
+    list.iter().enumerate().map(name).collect()
+}
+
+/// Radians, alone or in lists, as the degrees of a configuration.
+fn in_degrees(value: &Value) -> Value {
+    match value {
+        Value::Array(items) => items.iter().map(in_degrees).collect(),
+        other => other.as_f64().map_or_else(
+            || other.clone(),
+            |radians| Value::from((frames::to_deg(radians) * 1e9).round() / 1e9),
+        ),
     }
 }
 
@@ -23,14 +140,48 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::parse;
+
+    fn told(old: &Value, new: &Value) -> Vec<String> {
+        key_changes(old, new).iter().map(KeyChange::to_string).collect()
+    }
 
     #[test]
-    fn differing_settings_are_named() {
-        let one = json!({"seed": 1, "timing": {"warmup_s": 2.0, "max": null}});
-        let other = json!({"seed": 1, "timing": {"warmup_s": 3.0}});
-        assert_eq!(first_difference(&one, &one), None);
-        assert_eq!(first_difference(&one, &other).as_deref(), Some("timing.warmup_s"));
-        assert_eq!(first_difference(&one, &json!({"seed": 1})).as_deref(), Some("timing"));
-        assert_eq!(first_difference(&json!([1]), &json!([2])).as_deref(), Some(""));
+    fn keys_are_named_with_both_values() {
+        let one = json!({"seed": 1, "timing": {"warmup_s": 2.0, "max": null}, "colors": [1, 2]});
+        let other = json!({"seed": 1, "timing": {"warmup_s": 3.0}, "colors": [1, 3], "more": "x"});
+        assert_eq!(told(&one, &one), [""; 0]);
+        let expected = ["colors: [1,2] -> [1,3]", "more: none -> \"x\"", "timing.warmup_s: 2.0 -> 3.0"];
+        assert_eq!(told(&one, &other), expected);
+    }
+
+    #[test]
+    fn keys_have_the_names_of_a_configuration() {
+        let config = |text: &str| {
+            let settings = parse(&format!("[scenes.train]\n\"convoy/demo\" = 1\n{text}"), "x.toml");
+            serde_json::to_value(settings.expect("is valid")).expect("is JSON")
+        };
+        let changed = |text: &str| told(&config(""), &config(text));
+        assert_eq!(changed("[traffic]\nvehicles = 9\n"), ["traffic.vehicles: none -> 9"]);
+        assert_eq!(
+            changed("[vehicle.lidar]\nchannels = 32\n"),
+            ["vehicle.lidars[LIDAR].scan.channels: 128 -> 32"]
+        );
+        assert_eq!(
+            changed("[rsu.occupancy]\nvoxel_m = 0.4\n[weather.initial]\nsun_altitude_deg = 30\n"),
+            ["rsu.occupancy.voxel_m: 0.1 -> 0.4", "weather.initial.sun_altitude_deg: none -> 30.0"]
+        );
+        let more = changed("[[vehicle.lidars]]\nname = \"ROOF\"\n");
+        assert_eq!(more.len(), 1, "{more:?}");
+        assert!(
+            more[0].starts_with("vehicle.lidars[ROOF]: none -> {") && more[0].ends_with("..."),
+            "{more:?}"
+        );
+    }
+
+    #[test]
+    fn lists_in_another_order_differ() {
+        let list = |names: [&str; 2]| json!({"cameras": names.map(|name| json!({"name": name}))});
+        assert_eq!(told(&list(["a", "b"]), &list(["b", "a"])).len(), 1);
     }
 }

@@ -33,6 +33,10 @@ pub struct StageArgs {
     /// Redo scenes that are done; what was made from them becomes stale.
     #[arg(long)]
     force: bool,
+    /// Make finished work again that a changed configuration makes stale. Without it a stage asks, or ends
+    /// with 2, where that is more than `store.ask_beyond_s`.
+    #[arg(long)]
+    redo: bool,
     /// Keep what older code made, where nothing else changed; the manifests say so. For upgrades in
     /// mid-dataset.
     #[arg(long, conflicts_with = "force")]
@@ -88,10 +92,21 @@ impl From<Progress> for ProgressMode {
 
 impl From<StageArgs> for StageOptions {
     fn from(args: StageArgs) -> Self {
-        let StageArgs { config, store, maps, scenes, shard, force, accept_code, threads, dry_run, progress } =
-            args;
+        let StageArgs {
+            config,
+            store,
+            maps,
+            scenes,
+            shard,
+            force,
+            redo,
+            accept_code,
+            threads,
+            dry_run,
+            progress,
+        } = args;
         let progress = progress.into();
-        Self { config, store, maps, scenes, shard, force, accept_code, threads, dry_run, progress }
+        Self { config, store, maps, scenes, shard, force, redo, accept_code, threads, dry_run, progress }
     }
 }
 

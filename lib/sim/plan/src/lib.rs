@@ -16,7 +16,6 @@
 
 mod agents;
 mod error;
-pub mod forecast;
 mod hazards;
 mod lights;
 mod pool;

@@ -124,6 +124,18 @@ impl Graph {
 }
 
 impl StageSpec {
+    /// The stage, and those of its unit that are made from what it makes.
+    #[must_use]
+    pub fn with_followers(&'static self) -> Vec<&'static Self> {
+        let mut all = vec![self];
+        for stage in GRAPH.stages.iter().filter(|stage| stage.unit == self.unit) {
+            if stage.inputs().any(|input| all.iter().any(|known| known.name == input.name)) {
+                all.push(stage);
+            }
+        }
+        all
+    }
+
     /// The stages whose outputs it reads.
     pub fn inputs(&self) -> impl Iterator<Item = &'static StageSpec> + use<> {
         self.inputs.clone().into_iter().map(|position| &GRAPH.stages[position])

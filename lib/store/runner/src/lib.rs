@@ -6,6 +6,8 @@
 
 mod code_version;
 mod error;
+pub mod forecast;
+mod foresight;
 pub mod frames;
 mod graph;
 mod imported;
@@ -20,13 +22,14 @@ mod views;
 
 pub use code_version::code_version;
 pub use error::{At, Place, StageError, report};
+pub use foresight::Foresight;
 pub use graph::{Graph, StageSpec, UnitKind};
 pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
 pub use options::{ProgressMode, SceneList, Shard, StageOptions};
 pub use output_file::OutputFile;
 pub use programs::{Programs, STAMP_LEN};
 pub use progress::Progress;
-pub use runner::{Forecast, Job, Stage, init_logging, run_stage, say, settings_or_faults};
+pub use runner::{Forecast, Job, Sections, Stage, init_logging, run_stage, say, settings_or_faults};
 pub use status::{NotReady, Staleness, State, StateError, Status, planned_scenes};
 pub use views::{StageSettings, ViewError, config_hash};
 

@@ -17,6 +17,8 @@ pub struct StageOptions {
     pub shard: Option<Shard>,
     /// Redo scenes that are done.
     pub force: bool,
+    /// Make finished work again that a changed configuration makes stale, however much it is.
+    pub redo: bool,
     /// Keep what an older version or program made, where nothing else changed.
     pub accept_code: bool,
     /// Worker threads; none: all cores.

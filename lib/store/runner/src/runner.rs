@@ -1,6 +1,7 @@
 //! What every stage binary does around its work.
 
 use std::collections::BTreeMap;
+use std::io::{IsTerminal, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -8,9 +9,10 @@ use std::time::Instant;
 
 use serde::Serialize;
 use settings::DatasetSettings;
-use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, Unit, keys};
+use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, StoreError, Unit, keys};
 
 use crate::error::{Place, StageError};
+use crate::foresight::{self, Foresight, Intent};
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::{self, is_imported};
 use crate::options::{ProgressMode, StageOptions};
@@ -28,6 +30,8 @@ pub struct Stage<S> {
     /// Digests of what it reads outside the store, by name, as far as that can be found now: where one
     /// changed, the stage is stale. Takes the settings and the folder with map files.
     pub sources: fn(&S, Option<&Path>) -> BTreeMap<String, String>,
+    /// Digests of the scenes of the plan that the stage would make, if it makes the plan.
+    pub sections: Option<Sections<S>>,
     /// Lines that say what to expect, for `--dry-run`. Takes the settings, the folder with map files and the
     /// store.
     pub forecast: Option<Forecast>,
@@ -37,12 +41,15 @@ impl<S: StageSettings> Stage<S> {
     /// A stage that reads nothing outside the store.
     #[must_use]
     pub const fn new(run: fn(&mut Job<'_, S>) -> Result<(), StageError>) -> Self {
-        Self { run, sources: |_, _| BTreeMap::new(), forecast: None }
+        Self { run, sources: |_, _| BTreeMap::new(), sections: None, forecast: None }
     }
 
     /// Name in `pipeline.toml`.
     pub const NAME: &'static str = S::STAGE;
 }
+
+/// Digests of the scenes of a plan, by scene. Takes the settings, the folder with map files and the store.
+pub type Sections<S> = fn(&S, Option<&Path>, &Store) -> Result<BTreeMap<u32, String>, StageError>;
 
 /// What to expect before anything runs, line by line.
 pub type Forecast = fn(&DatasetSettings, Option<&Path>, &Store) -> Result<Vec<String>, StageError>;
@@ -166,10 +173,10 @@ impl<S: StageSettings> Job<'_, S> {
     }
 }
 
-/// Prints a line of the program's answer to standard output.
-#[expect(clippy::print_stdout, reason = "this is the program's answer, not a log")]
+/// Prints a line of the program's answer to standard output. Where the reader has closed it (`convoy status |
+/// head`) the line is lost and the work goes on.
 pub fn say(line: &str) {
-    println!("{line}");
+    let _ = writeln!(std::io::stdout(), "{line}");
 }
 
 /// Runs a stage and returns its exit code. `stamp` is the build's (`build_stamp::STAMP`).
@@ -190,6 +197,8 @@ pub fn init_logging() {
     let filter = tracing_subscriber::EnvFilter::try_from_env("CONVOY_LOG")
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
     let format = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
+    // A closed standard error is no reason to stop.
+    let format = format.log_internal_errors(false);
     // A second start (in tests) keeps the first.
     let _ = format.without_time().with_target(false).try_init();
 }
@@ -234,6 +243,7 @@ fn try_run<S: StageSettings>(
         scenes: _,
         shard: _,
         force,
+        redo,
         accept_code,
         threads,
         dry_run,
@@ -259,6 +269,7 @@ fn try_run<S: StageSettings>(
         store: Store::open(store)?,
         maps: maps.clone(),
         force: *force,
+        redo: *redo,
         accept_code: *accept_code,
         progress: *progress,
     };
@@ -268,10 +279,27 @@ fn try_run<S: StageSettings>(
     }
     let scopes = run.scopes(options)?;
     run.refuse_imported(&scopes)?;
+    // Shares of one store are one wish: what all of them would make again counts.
+    let foresight = run.foresee(&scopes, options.shard.is_some())?;
     if *dry_run {
-        return run.tell(&scopes);
+        return run.tell(&scopes, &foresight);
     }
+    run.agree(&foresight)?;
     run.all(&scopes)
+}
+
+/// Asks somebody at a terminal.
+fn confirmed(lines: &[String]) -> bool {
+    if !(std::io::stdin().is_terminal() && std::io::stderr().is_terminal()) {
+        return false;
+    }
+    let mut out = std::io::stderr();
+    let question = lines.iter().map(|line| format!("{line}\n")).collect::<String>();
+    let mut answer = String::new();
+    write!(out, "{question}finished work would be made again: do it? [y/N] ").is_ok()
+        && out.flush().is_ok()
+        && std::io::stdin().read_line(&mut answer).is_ok()
+        && matches!(answer.trim(), "y" | "Y" | "yes")
 }
 
 /// `dataset.json`.
@@ -291,6 +319,7 @@ struct Run<'a, S> {
     store: Store,
     maps: Option<PathBuf>,
     force: bool,
+    redo: bool,
     accept_code: bool,
     progress: ProgressMode,
 }
@@ -346,8 +375,90 @@ impl<S: StageSettings> Run<'_, S> {
         }
     }
 
+    /// What is finished and would be made again: by this stage, or, as all follows from the plan, by all
+    /// stages. What `--force` asks for is no slip.
+    fn foresee(&self, scopes: &[Scope], is_share: bool) -> Result<Foresight, StageError> {
+        let is_plan = self.spec.unit == UnitKind::Plan;
+        if !self.force {
+            self.check_name()?;
+        }
+        if self.spec.unit == UnitKind::Stats || (self.force && !is_plan) {
+            return Ok(Foresight::default());
+        }
+        let is_kept = |state: &State| *state == State::Done && !self.force;
+        let sections = match self.stage.sections {
+            Some(sections) if !is_kept(&self.state(Scope::Plan, &self.sources())?) => {
+                // Of a fresh store there is nothing to ask.
+                if self.store.backend().list("scenes")?.is_empty() {
+                    return Ok(Foresight::default());
+                }
+                Some(sections(&self.view, self.maps.as_deref(), &self.store)?)
+            }
+            _ => None,
+        };
+        let scene = |scope: &Scope| if let Scope::Scene(scene) = scope { Some(*scene) } else { None };
+        let intent = Intent {
+            stages: if is_plan { Graph::get().stages.iter().collect() } else { self.spec.with_followers() },
+            scenes: (!is_plan && !is_share).then(|| scopes.iter().filter_map(scene).collect()),
+            sections,
+            code: if self.accept_code { CodeRule::Any } else { CodeRule::Same },
+            status: self.status(),
+        };
+        Ok(Foresight::of(&self.store, self.settings, &intent)?)
+    }
+
+    /// Refuses a configuration of another dataset.
+    fn check_name(&self) -> Result<(), StageError> {
+        let planner = Graph::get().planner().name;
+        let is_import = match self.store.manifest(Scope::Plan, planner) {
+            Err(StoreError::Corrupt { .. }) => false,
+            other => other?.is_some_and(|plan| is_imported(&plan)),
+        };
+        let recorded = if is_import { None } else { foresight::recorded(&self.store)? };
+        match recorded.as_ref().and_then(|config| config["name"].as_str()) {
+            Some(name) if name != self.settings.name => Err(StageError::usage(format!(
+                "{} holds the dataset `{name}`, and this configuration is of `{}`: give another --store, or --force if this one \
+                 is to become that",
+                self.store.location(""),
+                self.settings.name
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Says what is made again, and asks where that is much and the configuration is to blame.
+    fn agree(&self, foresight: &Foresight) -> Result<(), StageError> {
+        let told = foresight.lines();
+        if told.is_empty() {
+            return Ok(());
+        }
+        let is_mine = |stage: &str| self.spec.unit == UnitKind::Plan || stage == self.spec.name;
+        let verb = |stage: &str| if is_mine(stage) { "makes again" } else { "makes stale" };
+        let lines = told.into_iter().map(|(stage, line)| format!("{} {line}", verb(stage)));
+        let lines: Vec<String> = lines.chain(foresight.changed()).collect();
+        let limit_s = self.settings.store.ask_beyond_s;
+        let is_much = foresight.asks() && foresight.asked_s() >= limit_s;
+        if self.redo || !is_much || confirmed(&lines) {
+            lines.iter().for_each(|line| tracing::info!("{line}"));
+            // What was agreed is not asked again, by whoever goes on with it.
+            if foresight.asks() && self.spec.unit == UnitKind::Scene {
+                self.renew_record()?;
+            }
+            return Ok(());
+        }
+        Err(StageError::usage(format!(
+            "nothing was touched, as this\n  {}\n--redo makes it again; another --store keeps what is there (asked beyond \
+             store.ask_beyond_s = {limit_s} s)",
+            lines.join("\n  ")
+        )))
+    }
+
     /// Says what would be done.
-    fn tell(&self, scopes: &[Scope]) -> Result<u8, StageError> {
+    fn tell(&self, scopes: &[Scope], foresight: &Foresight) -> Result<u8, StageError> {
+        for (_, line) in foresight.lines() {
+            say(&format!("would make again {line}"));
+        }
+        foresight.changed().for_each(|line| say(&line));
         let sources = self.sources();
         for &scope in scopes {
             let state = self.state(scope, &sources)?;
@@ -444,7 +555,7 @@ impl<S: StageSettings> Run<'_, S> {
     fn record(&self) -> Result<Vec<u8>, StageError> {
         let record = DatasetRecord {
             format_version: schema::FORMAT_VERSION,
-            code_version: crate::code_version(S::STAGE),
+            code_version: crate::code_version(Graph::get().planner().name),
             config: self.settings,
         };
         let stage = S::STAGE;
@@ -452,14 +563,15 @@ impl<S: StageSettings> Run<'_, S> {
     }
 
     /// Brings `dataset.json` up to date where something changed that the plan does not see.
-    fn renew_record(&self, scope: Scope) -> Result<(), StageError> {
+    fn renew_record(&self) -> Result<(), StageError> {
         let record = self.record()?;
-        let written = self.store.manifest(scope, S::STAGE)?;
+        let planner = Graph::get().planner().name;
+        let written = self.store.manifest(Scope::Plan, planner)?;
         let hash = store::hash_bytes(&record);
         let is_old =
             |m: Manifest| !is_imported(&m) && m.output(keys::DATASET).is_none_or(|o| o.blake3 != hash);
         if written.is_some_and(is_old) {
-            Attempt::amend(&self.store, scope, S::STAGE, keys::DATASET, &record)?;
+            Attempt::amend(&self.store, Scope::Plan, planner, keys::DATASET, &record)?;
         }
         Ok(())
     }
@@ -487,7 +599,7 @@ impl<S: StageSettings> Run<'_, S> {
                 self.accept(scope)?;
             }
             if self.spec.unit == UnitKind::Plan {
-                self.renew_record(scope)?;
+                self.renew_record()?;
             }
             return Ok(false);
         }

@@ -48,6 +48,7 @@ fn run_of<'a>(
         programs: &COMMITTED,
         store: store.clone(),
         maps: None,
+        redo: false,
         force: false,
         accept_code: false,
         progress: ProgressMode::None,

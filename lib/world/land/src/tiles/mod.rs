@@ -1,7 +1,7 @@
 //! The static world of a map (`surfaces` and `scenery`), in squares of 256 m on a grid of the world. A tile
 //! follows from the map, the rules of scenery and its index, from nothing else: not from a scene, nor from
 //! which tiles were made before. Scenes share tiles; `number` gives the objects in those that a scene needs
-//! its object ids. `cargo run --release -p convoy-tiles --example static-boxes` counts the lights, signs and
+//! its object ids. `cargo run --release -p convoy-land --example static-boxes` counts the lights, signs and
 //! parked vehicles that a frame has in each town.
 //!
 //! ```

@@ -4,8 +4,8 @@ mod rates;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::Plan;
 use indicatif::{DecimalBytes, HumanCount};
+use schema::tables::{PlanAgentRow, PlanSceneRow};
 use schema::{AgentId, AgentKind, ImageKind};
 use settings::{BevSettings, DatasetSettings, Lens, Rig, Split};
 
@@ -34,14 +34,47 @@ mod core_seconds {
     /// The same of a lens that bends: a ray a pixel.
     pub(super) const BENT_PX: f64 = 200e-9;
     pub(super) const BEV_CELL: f64 = 20e-9;
-    pub(super) const VOXEL: f64 = 1.6e-9;
+    pub(super) const VOXEL: f64 = 0.9e-9;
+    /// Reading a grid, filling it, writing it.
+    pub(super) const FILLED_VOXEL: f64 = 0.7e-9;
     /// What is told of each occupied voxel (its place, whose it is, how it moves), by column of voxels.
     pub(super) const ROWS_COLUMN: f64 = 0.27e-6;
     /// What lidars saw of voxels, by ray.
     pub(super) const OBSERVED_RAY: f64 = 4e-6;
-    /// Simulation, snapshot, shadow maps, boxes, tracks, writing.
-    pub(super) const AGENT_FRAME: f64 = 0.4;
+    /// Simulation and boxes of a frame.
+    pub(super) const SIMULATED: f64 = 0.03;
+    /// A frame's world for what looks at it: its triangles and the trees over them.
+    pub(super) const WORLD: f64 = 0.03;
+    /// Light and shadow maps of a frame in colour.
+    pub(super) const LIGHT: f64 = 0.12;
+    /// What is valid of a frame's boxes.
+    pub(super) const JUDGED: f64 = 0.01;
+    /// Tracks of a frame's boxes.
+    pub(super) const TRACKED: f64 = 0.01;
 }
+
+/// Work of a stage, or of several.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// Seconds of one core.
+    pub core_s: f64,
+    /// Bytes as stored.
+    pub bytes: f64,
+}
+
+impl std::ops::AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        self.core_s += other.core_s;
+        self.bytes += other.bytes;
+    }
+}
+
+const SIMULATION: &str = "simulate-and-log";
+const SENSORS: &str = "render-sensors";
+const MASKS: &str = "bev-gt";
+const VOXELS: &str = "occupancy-gt";
+const VALIDITY: &str = "postprocess-valid";
+const TRACKS: &str = "merge-tracks";
 
 /// Amount and bytes of one kind of output.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,19 +83,28 @@ struct Share {
     bytes: f64,
 }
 
+/// What is planned.
+#[derive(Clone, Copy, Debug)]
+pub struct Planned<'a> {
+    /// The scenes.
+    pub scenes: &'a [PlanSceneRow],
+    /// Their agents.
+    pub agents: &'a [PlanAgentRow],
+}
+
 /// What to expect.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Forecast {
     outputs: BTreeMap<&'static str, Share>,
-    core_s: f64,
+    stages: BTreeMap<&'static str, Work>,
     agent_frames: [u64; 2],
 }
 
 impl Forecast {
-    fn of(settings: &DatasetSettings, plan: &Plan) -> Self {
+    fn of(settings: &DatasetSettings, plan: &Planned<'_>) -> Self {
         let frames: BTreeMap<u32, u64> = plan.scenes.iter().map(|s| (s.scene, u64::from(s.frames))).collect();
         let mut forecast = Self::default();
-        for agent in &plan.agents {
+        for agent in plan.agents {
             let Some(frames) = frames.get(&agent.scene) else { continue };
             forecast.add(settings, agent.agent, *frames);
         }
@@ -71,26 +113,29 @@ impl Forecast {
 
     fn add(&mut self, settings: &DatasetSettings, agent: AgentId, frames: u64) {
         self.agent_frames[usize::from(agent.kind == AgentKind::Rsu)] += frames;
-        self.core_s += core_seconds::AGENT_FRAME * frames as f64;
         let annotated = due(frames, settings.annotation.every_n_frames);
-        self.output("boxes, log, tracks", annotated, bytes::AGENT_FRAME);
+        self.output(SIMULATION, "boxes, log, tracks", annotated, bytes::AGENT_FRAME);
+        self.work(SIMULATION, frames, core_seconds::SIMULATED);
+        self.work(VALIDITY, annotated, core_seconds::JUDGED);
+        self.work(TRACKS, annotated, core_seconds::TRACKED);
         let rigs = settings.rigs();
         let rig = rigs.of(agent);
+        self.work(SENSORS, frames_looked_at(rig, frames), core_seconds::WORLD);
         self.cameras(rig, due(frames, rig.camera.every_n_frames));
         for cost in rates::reading_costs(rig) {
             let readings = due(frames, cost.every_n_frames);
-            self.output(cost.output, readings, cost.bytes);
-            self.core_s += readings as f64 * cost.core_s;
+            self.output(SENSORS, cost.output, readings, cost.bytes);
+            self.work(SENSORS, readings, cost.core_s);
         }
         if settings.bev.enabled {
             let cells = f64::from(settings.bev.cells) * f64::from(settings.bev.cells);
             let masks = due(frames, settings.bev.every_n_frames);
-            self.output("BEV masks", masks, cells * bytes::BEV_CELL);
-            self.core_s += masks as f64 * cells * core_seconds::BEV_CELL;
+            self.output(MASKS, "BEV masks", masks, cells * bytes::BEV_CELL);
+            self.work(MASKS, masks, core_seconds::WORLD + cells * core_seconds::BEV_CELL);
             let BevSettings { heights, ids, paint, .. } = settings.bev;
             let layers = [("BEV heights", heights), ("BEV ids", ids), ("BEV paint", paint)];
             for ((name, _), bytes) in layers.iter().zip(bytes::BEV_LAYER_CELL).filter(|(layer, _)| layer.1) {
-                self.output(name, masks, cells * bytes);
+                self.output(MASKS, name, masks, cells * bytes);
             }
         }
         let grids = settings.occupancy();
@@ -98,32 +143,41 @@ impl Forecast {
         if occupancy.enabled {
             let [x, y, z] = occupancy.shape().map(|n| n as f64);
             let frames = due(frames, occupancy.every_n_frames);
+            let grid = x * y * bytes::VOXEL_COLUMN;
             if occupancy.sparse {
-                self.output("listed voxels", frames, x * y * bytes::LISTED_COLUMN);
+                self.output(VOXELS, "listed voxels", frames, x * y * bytes::LISTED_COLUMN);
             } else {
-                self.output("voxel grids", 2 * frames, x * y * bytes::VOXEL_COLUMN);
+                self.output(VOXELS, "voxel grids", frames, grid);
+                self.output(VALIDITY, "voxel grids", frames, grid);
             }
             if occupancy.ids {
-                self.output("voxel ids", frames, x * y * bytes::ID_COLUMN);
+                self.output(VOXELS, "voxel ids", frames, x * y * bytes::ID_COLUMN);
             }
             if occupancy.flow {
-                self.output("voxel flow", frames, x * y * bytes::FLOW_COLUMN);
+                self.output(VOXELS, "voxel flow", frames, x * y * bytes::FLOW_COLUMN);
             }
             if occupancy.observed {
                 let plain = rig.lidars.iter().filter(|lidar| !lidar.semantic);
                 let rays: f64 = plain.map(|lidar| lidar.scan.rays() as f64).sum();
-                self.output("observed voxels", frames, rays * bytes::OBSERVED_RAY);
-                self.core_s += frames as f64 * rays * core_seconds::OBSERVED_RAY;
+                self.output(VALIDITY, "observed voxels", frames, rays * bytes::OBSERVED_RAY);
+                self.work(VALIDITY, frames, rays * core_seconds::OBSERVED_RAY);
             }
             if occupancy.sparse || occupancy.ids || occupancy.flow {
-                self.core_s += frames as f64 * x * y * core_seconds::ROWS_COLUMN;
+                self.work(VOXELS, frames, x * y * core_seconds::ROWS_COLUMN);
             }
-            self.core_s += frames as f64 * x * y * z * core_seconds::VOXEL;
+            let voxels = x * y * z;
+            self.work(VOXELS, frames, core_seconds::WORLD + voxels * core_seconds::VOXEL);
+            if !occupancy.sparse {
+                self.work(VALIDITY, frames, voxels * core_seconds::FILLED_VOXEL);
+            }
         }
     }
 
     fn cameras(&mut self, rig: &Rig, frames: u64) {
         let wanted = &rig.camera.images;
+        if wanted.has(ImageKind::Rgb) && !rig.cameras.is_empty() {
+            self.work(SENSORS, frames, core_seconds::LIGHT);
+        }
         for optics in rig.cameras.iter().map(|camera| &camera.optics) {
             let pixels = f64::from(optics.width) * f64::from(optics.height);
             let mut per_pixel_s = match optics.lens {
@@ -135,18 +189,51 @@ impl Forecast {
                 let cost = rates::pixel_cost(kind);
                 let is_half = kind == ImageKind::Flow && rig.camera.flow_half;
                 let bytes = if is_half { rates::HALF_FLOW_PX } else { cost.bytes };
-                self.output(kind.spec().plural, frames, pixels * bytes);
+                self.output(SENSORS, kind.spec().plural, frames, pixels * bytes);
                 per_pixel_s += cost.core_s;
             }
-            self.core_s += frames as f64 * pixels * per_pixel_s;
+            self.work(SENSORS, frames, pixels * per_pixel_s);
         }
     }
 
-    fn output(&mut self, name: &'static str, count: u64, bytes_each: f64) {
+    fn output(&mut self, stage: &'static str, name: &'static str, count: u64, bytes_each: f64) {
         let share = self.outputs.entry(name).or_default();
         share.count += count;
         share.bytes += count as f64 * bytes_each;
+        self.stages.entry(stage).or_default().bytes += count as f64 * bytes_each;
     }
+
+    fn work(&mut self, stage: &'static str, count: u64, core_s_each: f64) {
+        self.stages.entry(stage).or_default().core_s += count as f64 * core_s_each;
+    }
+
+    fn core_s(&self) -> f64 {
+        self.stages.values().map(|work| work.core_s).sum()
+    }
+}
+
+/// The work of each stage on an agent's frames, by the stage's name.
+#[must_use]
+pub fn work_by_stage(
+    settings: &DatasetSettings,
+    agent: AgentId,
+    frames: u32,
+) -> BTreeMap<&'static str, Work> {
+    let mut forecast = Forecast::default();
+    forecast.add(settings, agent, frames.into());
+    forecast.stages
+}
+
+/// At how many of some frames a sensor of a rig looks at the world.
+fn frames_looked_at(rig: &Rig, frames: u64) -> u64 {
+    let has_images = !rig.cameras.is_empty() && !rig.camera.images.is_empty();
+    let cameras = has_images.then_some(rig.camera.every_n_frames);
+    let rates: BTreeSet<u64> = rates::reading_costs(rig)
+        .map(|cost| cost.every_n_frames)
+        .chain(cameras)
+        .map(|every| u64::from(every.max(1)))
+        .collect();
+    (0..frames).filter(|frame| rates.iter().any(|every| frame.is_multiple_of(*every))).count() as u64
 }
 
 /// How many of some frames something is made at.
@@ -160,7 +247,7 @@ fn size(bytes: f64) -> DecimalBytes {
 
 /// What to expect of a plan, line by line; `cores` are those of this machine.
 #[must_use]
-pub fn lines(settings: &DatasetSettings, plan: &Plan, cores: usize) -> Vec<String> {
+pub fn lines(settings: &DatasetSettings, plan: &Planned<'_>, cores: usize) -> Vec<String> {
     let forecast = Forecast::of(settings, plan);
     let maps = plan.scenes.iter().map(|s| &s.map).collect::<BTreeSet<_>>().len();
     let of_split = |split: Split| {
@@ -191,7 +278,7 @@ pub fn lines(settings: &DatasetSettings, plan: &Plan, cores: usize) -> Vec<Strin
         let (count, size) = (HumanCount(share.count).to_string(), size(share.bytes).to_string());
         lines.push(format!("  {name:<22} {count:>13} {size:>10}"));
     }
-    let (hours, cores) = (forecast.core_s / 3600.0, cores.max(1));
+    let (hours, cores) = (forecast.core_s() / 3600.0, cores.max(1));
     lines.push(format!("about {} on disk", size(total)));
     lines.push(format!(
         "about {hours:.1} core-hours: {:.1} hours on {cores} cores, without a GPU",
@@ -202,9 +289,22 @@ pub fn lines(settings: &DatasetSettings, plan: &Plan, cores: usize) -> Vec<Strin
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use schema::tables::{PlanAgentRow, PlanSceneRow};
     use settings::SceneCount;
+
+    use super::*;
+
+    /// Rows of scenes and of their agents.
+    #[derive(Clone)]
+    struct Plan {
+        scenes: Vec<PlanSceneRow>,
+        agents: Vec<PlanAgentRow>,
+    }
+
+    impl Plan {
+        fn rows(&self) -> Planned<'_> {
+            Planned { scenes: &self.scenes, agents: &self.agents }
+        }
+    }
 
     fn plan() -> Plan {
         let scene = |scene, frames: u32, split: &str| PlanSceneRow {
@@ -223,7 +323,6 @@ mod tests {
                 agent(3, AgentId::vehicle(0)),
                 agent(3, AgentId::rsu(0)),
             ],
-            ..Plan::default()
         }
     }
 
@@ -233,7 +332,7 @@ mod tests {
 
     #[test]
     fn frames_and_images_are_exact() {
-        let forecast = Forecast::of(&settings(), &plan());
+        let forecast = Forecast::of(&settings(), &plan().rows());
         assert_eq!(forecast.agent_frames, [800, 400]);
         let count = |name| forecast.outputs.get(name).map_or(0, |share: &Share| share.count);
         // Six cameras a vehicle, three an RSU; four radars and one.
@@ -253,14 +352,14 @@ mod tests {
         less.vehicle_rig.camera.every_n_frames = 10;
         less.vehicle_rig.lidars[0].every_n_frames = 3;
         less.rsu_occupancy.every_n_frames = 3;
-        let (all, some) = (Forecast::of(&settings(), &plan()), Forecast::of(&less, &plan()));
+        let (all, some) = (Forecast::of(&settings(), &plan().rows()), Forecast::of(&less, &plan().rows()));
         let count = |name| some.outputs.get(name).map_or(0, |share: &Share| share.count);
         assert_eq!([count("boxes, log, tracks"), count("BEV masks")], [20 + 20 + 40 + 40; 2]);
         assert_eq!(count("RGB images"), 6 * (20 + 20 + 40) + 3 * 400);
         assert_eq!(count("lidar sweeps"), 67 + 67 + 134 + 400);
         assert_eq!(count("voxel grids"), 2 * (800 + 134));
         assert_eq!(some.agent_frames, all.agent_frames);
-        assert!(some.core_s < all.core_s);
+        assert!(some.core_s() < all.core_s());
     }
 
     #[test]
@@ -270,11 +369,11 @@ mod tests {
         less.vehicle_occupancy.enabled = false;
         less.rsu_rig.lidars.clear();
         less.vehicle_rig.camera.images.set(ImageKind::Rgb, false);
-        let (all, some) = (Forecast::of(&settings(), &plan()), Forecast::of(&less, &plan()));
+        let (all, some) = (Forecast::of(&settings(), &plan().rows()), Forecast::of(&less, &plan().rows()));
         let count = |name| some.outputs.get(name).map_or(0, |share: &Share| share.count);
         assert_eq!([count("BEV masks"), count("voxel grids"), count("lidar sweeps")], [0, 800, 800]);
         assert_eq!([count("RGB images"), count("instance images")], [1200, 6000]);
-        assert!(some.core_s < all.core_s);
+        assert!(some.core_s() < all.core_s());
     }
 
     /// Core-seconds of one frame of a default vehicle, with nothing but what `keep` puts back.
@@ -288,7 +387,7 @@ mod tests {
         keep(&mut settings);
         let mut one = plan();
         one.agents.truncate(1);
-        Forecast::of(&settings, &one).core_s / 200.0
+        Forecast::of(&settings, &one.rows()).core_s() / 200.0
     }
 
     /// Core-seconds of a row of the table of docs/performance.md.
@@ -303,7 +402,8 @@ mod tests {
     fn rates_are_those_that_were_measured() {
         let rig = settings().vehicle_rig;
         let nothing = core_s(|_| {});
-        assert_eq!(nothing, core_seconds::AGENT_FRAME);
+        let expected = core_seconds::SIMULATED + core_seconds::JUDGED + core_seconds::TRACKED;
+        assert!((nothing - expected).abs() < 1e-12);
         let cameras = |rgb, instance| {
             core_s(|s| {
                 s.vehicle_rig.cameras = rig.cameras.clone();
@@ -321,13 +421,14 @@ mod tests {
         let voxels = 2.0 * measured_s("voxel npz, one grid (two are written)")
             + measured_s("voxels, exact overlap")
             + measured_s("voxel fill");
+        let (world, light) = (core_seconds::WORLD, core_seconds::LIGHT);
         let parts = [
-            ("cameras", cameras(true, true) - nothing, visibility + pictures),
-            ("pictures", cameras(true, true) - cameras(false, true), pictures),
-            ("camera visibility", cameras(false, true) - nothing, visibility),
-            ("lidar and radars", rays - nothing, measured_s("lidar 262,144 rays + 4 radars")),
-            ("BEV", core_s(|s| s.bev.enabled = true) - nothing, measured_s("BEV")),
-            ("voxels", core_s(|s| s.vehicle_occupancy.enabled = true) - nothing, voxels),
+            ("cameras", cameras(true, true) - nothing - world - light, visibility + pictures),
+            ("pictures", cameras(true, true) - cameras(false, true) - light, pictures),
+            ("camera visibility", cameras(false, true) - nothing - world, visibility),
+            ("lidar and radars", rays - nothing - world, measured_s("lidar 262,144 rays + 4 radars")),
+            ("BEV", core_s(|s| s.bev.enabled = true) - nothing - world, measured_s("BEV")),
+            ("voxels", core_s(|s| s.vehicle_occupancy.enabled = true) - nothing - world, voxels),
         ];
         for (part, expected, measured) in parts {
             let ratio = expected / measured;
@@ -347,8 +448,8 @@ mod tests {
             [AgentId::vehicle(0), AgentId::vehicle(1), AgentId::rsu(0)].map(row)
         });
         let scene = |scene| PlanSceneRow { scene, frames: 40, ..PlanSceneRow::default() };
-        let plan = Plan { scenes: vec![scene(0), scene(1)], agents: agents.collect(), ..Plan::default() };
-        let forecast = Forecast::of(&demo.expect("is valid"), &plan);
+        let plan = Plan { scenes: vec![scene(0), scene(1)], agents: agents.collect() };
+        let forecast = Forecast::of(&demo.expect("is valid"), &plan.rows());
         let bytes: f64 = forecast.outputs.values().map(|share| share.bytes).sum();
         assert!((0.9..1.1).contains(&(bytes / 1.57e9)), "{bytes}");
     }
@@ -390,7 +491,7 @@ mod tests {
             }
             let mut one = plan();
             one.agents.truncate(1);
-            let forecast = Forecast::of(&settings, &one);
+            let forecast = Forecast::of(&settings, &one.rows());
             for (name, bytes) in rows {
                 let Share { count, bytes: sum } = forecast.outputs[name];
                 let ratio = sum / count as f64 / bytes;
@@ -402,7 +503,7 @@ mod tests {
 
     #[test]
     fn lines_are_for_people() {
-        insta::assert_snapshot!(lines(&settings(), &plan(), 4).join("\n"), @"
+        insta::assert_snapshot!(lines(&settings(), &plan().rows(), 4).join("\n"), @"
         2 scenes (1 train, 0 val, 1 test) on 1 maps, 30 s, 600 frames
         1,200 agent-frames: 800 of vehicles, 400 of RSUs
           BEV masks                      1,200   15.36 MB
@@ -413,7 +514,7 @@ mod tests {
           radar readings                 3,600  150.14 MB
           voxel grids                    2,400    2.95 GB
         about 7.28 GB on disk
-        about 0.4 core-hours: 0.1 hours on 4 cores, without a GPU
+        about 0.3 core-hours: 0.1 hours on 4 cores, without a GPU
         ");
     }
 }

@@ -1,0 +1,356 @@
+//! What a run would make again although it is finished, and why. Nothing is replaced by a slip: what a
+//! changed configuration makes stale is asked about first.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+use indicatif::DecimalBytes;
+use schema::tables::{PlanAgentRow, PlanSceneRow};
+use settings::{DatasetSettings, KeyChange, key_changes};
+use store::{Manifest, Scope, Store, StoreError, keys};
+
+use crate::forecast::{Work, work_by_stage};
+use crate::graph::{Graph, StageSpec, UnitKind};
+use crate::imported::is_imported;
+use crate::programs::Programs;
+use crate::status::{CodeRule, Staleness, StateError, Status, plan_section};
+use crate::views::config_hash;
+
+/// Why finished work would be made again.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Cause {
+    /// Its scene is planned otherwise.
+    Plan,
+    /// The stage sees other settings.
+    Configuration,
+    /// The stage's version or program is another.
+    Code(String),
+    /// What it was made from would be made again.
+    Input(&'static str),
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Plan => f.write_str("planned otherwise"),
+            Self::Configuration => f.write_str("the configuration changed"),
+            Self::Code(why) => f.write_str(why),
+            Self::Input(stage) => write!(f, "made from {stage}"),
+        }
+    }
+}
+
+/// Finished work of a stage that would be made again for one reason.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Redo {
+    scenes: Vec<u32>,
+    work: Work,
+}
+
+/// A finished stage of a scene that would be made again.
+struct Finished {
+    cause: Cause,
+    /// Whether the configuration is to blame.
+    asks: bool,
+    /// Bytes as stored.
+    bytes: f64,
+}
+
+/// What a run would make again although it is finished.
+#[derive(Debug, Default)]
+pub struct Foresight {
+    /// By the stage's place in the graph, reason, and whether the configuration is to blame.
+    redone: BTreeMap<(usize, Cause, bool), Redo>,
+    /// The keys that have other values than in the configuration that the store was made with.
+    changes: Vec<KeyChange>,
+    /// Whether there are such keys, or nobody knows what the store was made with.
+    differs: bool,
+}
+
+/// A core makes about so many bytes a second: for work that the forecast knows nothing of.
+const BYTES_PER_CORE_S: f64 = 16e6;
+
+/// Which stages are about to run, and what the plan would be.
+pub(crate) struct Intent<'a> {
+    /// The stages, with all that are made from what they make.
+    pub(crate) stages: Vec<&'static StageSpec>,
+    /// None: all scenes.
+    pub(crate) scenes: Option<BTreeSet<u32>>,
+    /// Digests of the scenes of the plan that would be made; none: the plan stays.
+    pub(crate) sections: Option<BTreeMap<u32, String>>,
+    pub(crate) code: CodeRule,
+    pub(crate) status: Status<'a>,
+}
+
+/// The configuration that a store was made with last, as `dataset.json` has it.
+///
+/// # Errors
+/// The store cannot be read.
+pub(crate) fn recorded(store: &Store) -> Result<Option<serde_json::Value>, StoreError> {
+    let dataset: Option<serde_json::Value> = match store.read_json(keys::DATASET) {
+        Err(StoreError::Corrupt { .. }) => None,
+        other => other?,
+    };
+    Ok(dataset.and_then(|dataset| dataset.get("config").filter(|config| config.is_object()).cloned()))
+}
+
+impl Foresight {
+    /// What a run of all stages would make again as the plan stands.
+    ///
+    /// # Errors
+    /// The store cannot be read.
+    pub fn of_plan(
+        store: &Store,
+        settings: &DatasetSettings,
+        programs: &Programs,
+    ) -> Result<Self, StateError> {
+        let intent = Intent {
+            stages: Graph::get().stages.iter().collect(),
+            scenes: None,
+            sections: None,
+            code: CodeRule::Same,
+            status: Status::new(store, settings, programs),
+        };
+        Self::of(store, settings, &intent)
+    }
+
+    /// Looks at all that is finished.
+    ///
+    /// # Errors
+    /// The store cannot be read.
+    pub(crate) fn of(
+        store: &Store,
+        settings: &DatasetSettings,
+        intent: &Intent<'_>,
+    ) -> Result<Self, StateError> {
+        let planner = Graph::get().planner();
+        let plan = match store.manifest(Scope::Plan, planner.name) {
+            Err(StoreError::Corrupt { .. }) => None,
+            other => other?,
+        };
+        if plan.as_ref().is_some_and(is_imported) {
+            return Ok(Self::default());
+        }
+        let mut foresight = Self { differs: true, ..Self::default() };
+        if let Some(old) = recorded(store)? {
+            // As it would be read back: numbers lose a last digit on the way.
+            let now = serde_json::to_vec(settings).and_then(|text| serde_json::from_slice(&text));
+            foresight.changes = key_changes(&old, &now.unwrap_or_default());
+            foresight.differs = !foresight.changes.is_empty();
+        }
+        let planned: BTreeMap<u32, Option<String>> = match &plan {
+            Some(plan) => sections_of(plan).map(|(scene, digest)| (scene, Some(digest))).collect(),
+            // It was lost: whatever was made of scenes is there.
+            None => scenes_begun(store)?.into_iter().map(|scene| (scene, None)).collect(),
+        };
+        let stages = Graph::get().stages.iter().filter(|stage| stage.unit == UnitKind::Scene);
+        let hash = |stage: &'static StageSpec| Ok((stage, config_hash(stage, settings)?));
+        let stages: Vec<(&'static StageSpec, String)> =
+            stages.map(hash).collect::<Result<_, StateError>>()?;
+        let mut costs = Costs::default();
+        for (scene, planned) in &planned {
+            if intent.scenes.as_ref().is_some_and(|scenes| !scenes.contains(scene)) {
+                continue;
+            }
+            let now = match &intent.sections {
+                Some(sections) => sections.get(scene),
+                None => planned.as_ref(),
+            };
+            // What is not planned any more stays as it is.
+            let Some(now) = now else { continue };
+            for (stage, redo) in foresight.of_scene(store, &stages, intent, (*scene, planned, now))? {
+                let mut work = costs.of(store, plan.as_ref(), settings, (*scene, stage));
+                work.bytes = redo.bytes;
+                work.core_s = work.core_s.max(redo.bytes / BYTES_PER_CORE_S);
+                let position = Graph::get().stages.iter().position(|s| s.name == stage).unwrap_or_default();
+                let all = foresight.redone.entry((position, redo.cause, redo.asks)).or_default();
+                all.scenes.push(*scene);
+                all.work += work;
+            }
+        }
+        Ok(foresight)
+    }
+
+    /// The finished stages of a scene that would be made again, out of all with what they see of the
+    /// configuration.
+    fn of_scene(
+        &self,
+        store: &Store,
+        stages: &[(&'static StageSpec, String)],
+        intent: &Intent<'_>,
+        (scene, planned, now): (u32, &Option<String>, &String),
+    ) -> Result<Vec<(&'static str, Finished)>, StateError> {
+        let planner = Graph::get().planner().name;
+        let mut redone: BTreeMap<&'static str, bool> = BTreeMap::new();
+        let mut digests: BTreeMap<&'static str, String> = BTreeMap::new();
+        let mut found = Vec::new();
+        for (stage, config_hash) in stages {
+            let manifest = match store.manifest(Scope::Scene(scene), stage.name) {
+                Err(StoreError::Corrupt { .. }) => None,
+                other => other?,
+            };
+            let Some(manifest) = manifest.filter(|manifest| !is_imported(manifest)) else { continue };
+            digests.insert(stage.name, manifest.digest());
+            let made_of = manifest.inputs.get(planner);
+            let input = stage.inputs().find_map(|input| Some((input.name, *redone.get(input.name)?)));
+            // Made again already, by whoever was asked then.
+            let renewed = stage.inputs().find(|input| {
+                let (then, now) = (manifest.inputs.get(input.name), digests.get(input.name));
+                now.is_some() && then != now
+            });
+            let cause = if made_of.is_some_and(|digest| digest != now) {
+                // Where the plan was made anew already, whoever did that was asked.
+                Some((Cause::Plan, planned.is_none() || made_of == planned.as_ref()))
+            } else if manifest.config_hash != *config_hash {
+                Some((Cause::Configuration, self.differs))
+            } else if let Some((name, asks)) = input {
+                Some((Cause::Input(name), asks))
+            } else if let Some(input) = renewed {
+                Some((Cause::Input(input.name), false))
+            } else {
+                code_cause(intent, stage.name, &manifest).map(|why| (Cause::Code(why.to_string()), false))
+            };
+            if let Some((cause, asks)) = cause {
+                redone.insert(stage.name, asks);
+                if intent.stages.iter().any(|wanted| wanted.name == stage.name) {
+                    let bytes = manifest.outputs.iter().map(|output| output.bytes as f64).sum();
+                    found.push((stage.name, Finished { cause, asks, bytes }));
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    /// The keys that have other values than those that the store was made with, for people.
+    pub fn changed(&self) -> impl Iterator<Item = String> {
+        self.changes.iter().map(|change| format!("changed: {change}"))
+    }
+
+    /// Estimated work that would be made again because the configuration changed, seconds of one core.
+    #[must_use]
+    pub fn asked_s(&self) -> f64 {
+        let asked = self.redone.iter().filter(|((_, _, asks), _)| *asks);
+        asked.map(|(_, redo)| redo.work.core_s).sum()
+    }
+
+    /// Whether anything would be made again because the configuration changed.
+    #[must_use]
+    pub fn asks(&self) -> bool {
+        self.redone.keys().any(|(_, _, asks)| *asks)
+    }
+
+    /// What would be made again, for people: a line for each stage and reason, with the stage.
+    #[must_use]
+    pub fn lines(&self) -> Vec<(&'static str, String)> {
+        let mut lines = Vec::new();
+        for ((stage, cause, _), Redo { scenes, work }) in &self.redone {
+            let stage = Graph::get().stages.get(*stage).map_or("", |stage| stage.name);
+            let count = if scenes.len() == 1 { "scene" } else { "scenes" };
+            let line = format!(
+                "{stage}: {count} {} ({cause}), about {} of one core, {}",
+                ranges(scenes),
+                duration(work.core_s),
+                DecimalBytes(work.bytes.round() as u64)
+            );
+            lines.push((stage, line));
+        }
+        lines
+    }
+}
+
+/// Seconds in words of a fitting unit.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 90.0 => format!("{s:.0} s"),
+        s if s < 5400.0 => format!("{:.0} minutes", s / 60.0),
+        s => format!("{:.1} hours", s / 3600.0),
+    }
+}
+
+/// Ascending numbers as `0-3, 7`.
+fn ranges(numbers: &[u32]) -> String {
+    let mut runs: Vec<(u32, u32)> = Vec::new();
+    for &number in numbers {
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == number => *last = number,
+            _ => runs.push((number, number)),
+        }
+    }
+    let run = |(a, b): &(u32, u32)| if a == b { a.to_string() } else { format!("{a}-{b}") };
+    runs.iter().map(run).collect::<Vec<_>>().join(", ")
+}
+
+/// Scenes of a plan with their digests.
+fn sections_of(plan: &Manifest) -> impl Iterator<Item = (u32, String)> {
+    plan.sections.iter().filter_map(|(name, digest)| {
+        let scene = name.strip_prefix("scene/")?.parse().ok()?;
+        (plan_section(scene) == *name).then(|| (scene, digest.clone()))
+    })
+}
+
+/// Scenes that have a manifest.
+fn scenes_begun(store: &Store) -> Result<BTreeSet<u32>, StoreError> {
+    let keys = store.backend().list("scenes")?;
+    let scene = |key: &String| key.strip_prefix("scenes/")?.split_once("/_manifests/")?.0.parse().ok();
+    Ok(keys.iter().filter_map(scene).collect())
+}
+
+/// Why a manifest is not of the code of now.
+fn code_cause(intent: &Intent<'_>, stage: &str, manifest: &Manifest) -> Option<Staleness> {
+    match intent.code {
+        CodeRule::Any => None,
+        CodeRule::Same => intent.status.is_of_code(stage, manifest).err(),
+    }
+}
+
+/// Work by scene and stage; the plan is read when it is asked for first.
+#[derive(Default)]
+struct Costs {
+    scenes: Option<BTreeMap<u32, BTreeMap<&'static str, Work>>>,
+}
+
+impl Costs {
+    /// By the forecast's rates; nothing where the plan's tables cannot be read.
+    fn of(
+        &mut self,
+        store: &Store,
+        plan: Option<&Manifest>,
+        settings: &DatasetSettings,
+        (scene, stage): (u32, &str),
+    ) -> Work {
+        let read = || plan.and_then(|plan| Self::read(store, plan, settings).ok()).unwrap_or_default();
+        let scenes = self.scenes.get_or_insert_with(read);
+        scenes.get(&scene).and_then(|stages| stages.get(stage).copied()).unwrap_or_default()
+    }
+
+    fn read(
+        store: &Store,
+        plan: &Manifest,
+        settings: &DatasetSettings,
+    ) -> Result<BTreeMap<u32, BTreeMap<&'static str, Work>>, StoreError> {
+        let scenes: Vec<PlanSceneRow> = store.read_rows(plan, keys::PLAN_SCENES)?;
+        let agents: Vec<PlanAgentRow> = store.read_rows(plan, keys::PLAN_AGENTS)?;
+        let frames: BTreeMap<u32, u32> = scenes.iter().map(|row| (row.scene, row.frames)).collect();
+        let mut costs: BTreeMap<u32, BTreeMap<&'static str, Work>> = BTreeMap::new();
+        for agent in &agents {
+            let Some(frames) = frames.get(&agent.scene) else { continue };
+            let of_scene = costs.entry(agent.scene).or_default();
+            for (stage, work) in work_by_stage(settings, agent.agent, *frames) {
+                *of_scene.entry(stage).or_default() += work;
+            }
+        }
+        Ok(costs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_times_are_for_people() {
+        assert_eq!(ranges(&[0, 1, 2, 5, 7, 8]), "0-2, 5, 7-8");
+        assert_eq!(ranges(&[]), "");
+        assert_eq!([12.4, 600.0, 7200.0].map(duration), ["12 s", "10 minutes", "2.0 hours"]);
+    }
+}
