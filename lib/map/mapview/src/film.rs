@@ -101,17 +101,12 @@ pub struct StopBar {
 /// A map with the objects on it: the backdrop of every frame.
 ///
 /// ```
-/// use mapview::{Film, FilmWriter, ViewOptions};
+/// use mapview::{Film, ViewOptions, frame_png};
 ///
 /// let map = opendrive::Map::new(opendrive::Network::default());
 /// let film = Film::new(&map, &ViewOptions { size_px: 120.0, ..ViewOptions::default() }, &[])?;
-/// let mut file = Vec::new();
-/// let mut writer = FilmWriter::new(&mut file, film.size_px(), 2, 100)?;
-/// for caption in ["0.00 s", "0.10 s"] {
-///     writer.push(film.frame(&[], &[], caption))?;
-/// }
-/// writer.finish()?;
-/// assert!(file.starts_with(b"\x89PNG"));
+/// let png = frame_png(&film.frame(&[], &[], "0.10 s"), film.size_px())?;
+/// assert!(png.starts_with(b"\x89PNG"));
 /// # Ok::<(), mapview::RasterError>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -12,7 +12,8 @@
 //! use schema::ActorKind;
 //! use catalogue::Catalogue;
 //! use settings::SceneryRules;
-//! use surfaces::{Atlas, Region};
+//! use land::scenery;
+//! use land::surfaces::{Atlas, Region};
 //!
 //! let map = testkit::straight(200.0);
 //! let atlas = Atlas::new(&map);

@@ -7,7 +7,7 @@
 //! ```
 //! use settings::SceneryRules;
 //! use schema::tile::TileIndex;
-//! use tiles::TileMaker;
+//! use land::tiles::TileMaker;
 //!
 //! let map = testkit::straight(600.0);
 //! let rules = SceneryRules::default();
