@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use runner::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, StageSpec, UnitKind, say, was_stopped,
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, StageSpec, UnitKind, say, scenes_begun,
+    was_stopped,
 };
 use schema::scene_info::LOG_STAGE;
 use schema::tables::{SceneTileRow, TILE_STAGE};
@@ -51,9 +52,7 @@ impl Member {
 
     /// Scenes of which something is done.
     fn scenes(&self) -> Result<BTreeSet<u32>, StoreError> {
-        let keys = self.store.backend().list("scenes")?;
-        let scene = |key: &String| key.strip_prefix("scenes/")?.split_once("/_manifests/")?.0.parse().ok();
-        Ok(keys.iter().filter_map(scene).collect())
+        scenes_begun(&self.store)
     }
 
     fn planned(&self, scene: u32) -> Option<&String> {

@@ -13,7 +13,7 @@ use crate::forecast::{Work, work_by_stage};
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::is_imported;
 use crate::programs::Programs;
-use crate::status::{CodeRule, Staleness, StateError, Status, plan_section};
+use crate::status::{CodeRule, Staleness, StateError, Status, manifest_or_stale, plan_section};
 use crate::views::config_hash;
 
 /// Why finished work would be made again.
@@ -124,10 +124,7 @@ impl Foresight {
         intent: &Intent<'_>,
     ) -> Result<Self, StateError> {
         let planner = Graph::get().planner();
-        let plan = match store.manifest(Scope::Plan, planner.name) {
-            Err(StoreError::Corrupt { .. }) => None,
-            other => other?,
-        };
+        let plan = manifest_or_stale(store, Scope::Plan, planner.name)?.unwrap_or_default();
         if plan.as_ref().is_some_and(is_imported) {
             return Ok(Self::default());
         }
@@ -185,10 +182,7 @@ impl Foresight {
         let mut digests: BTreeMap<&'static str, String> = BTreeMap::new();
         let mut found = Vec::new();
         for (stage, config_hash) in stages {
-            let manifest = match store.manifest(Scope::Scene(scene), stage.name) {
-                Err(StoreError::Corrupt { .. }) => None,
-                other => other?,
-            };
+            let manifest = manifest_or_stale(store, Scope::Scene(scene), stage.name)?.unwrap_or_default();
             let Some(manifest) = manifest.filter(|manifest| !is_imported(manifest)) else { continue };
             digests.insert(stage.name, manifest.digest());
             let made_of = manifest.inputs.get(planner);
@@ -288,8 +282,11 @@ fn sections_of(plan: &Manifest) -> impl Iterator<Item = (u32, String)> {
     })
 }
 
-/// Scenes that have a manifest.
-fn scenes_begun(store: &Store) -> Result<BTreeSet<u32>, StoreError> {
+/// Scenes of which something is done, whether a plan has them or not.
+///
+/// # Errors
+/// The store cannot be read.
+pub fn scenes_begun(store: &Store) -> Result<BTreeSet<u32>, StoreError> {
     let keys = store.backend().list("scenes")?;
     let scene = |key: &String| key.strip_prefix("scenes/")?.split_once("/_manifests/")?.0.parse().ok();
     Ok(keys.iter().filter_map(scene).collect())

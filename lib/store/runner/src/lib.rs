@@ -22,7 +22,7 @@ mod views;
 
 pub use code_version::code_version;
 pub use error::{At, Place, StageError, report};
-pub use foresight::Foresight;
+pub use foresight::{Foresight, scenes_begun};
 pub use graph::{Graph, StageSpec, UnitKind};
 pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
 pub use options::{ProgressMode, SceneList, Shard, StageOptions};

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use settings::DatasetSettings;
-use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, StoreError, Unit, keys};
+use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, Unit, keys};
 
 use crate::error::{Place, StageError};
 use crate::foresight::{self, Foresight, Intent};
@@ -18,7 +18,9 @@ use crate::imported::{self, is_imported};
 use crate::options::{ProgressMode, StageOptions};
 use crate::programs::{Programs, STAMP_LEN};
 use crate::progress::Progress;
-use crate::status::{CodeRule, SOURCE, Staleness, State, Status, plan_section, planned_scenes};
+use crate::status::{
+    CodeRule, SOURCE, Staleness, State, Status, manifest_or_stale, plan_section, planned_scenes,
+};
 use crate::views::{StageSettings, ViewError, config_hash};
 use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, interrupt};
 
@@ -410,10 +412,8 @@ impl<S: StageSettings> Run<'_, S> {
     /// Refuses a configuration of another dataset.
     fn check_name(&self) -> Result<(), StageError> {
         let planner = Graph::get().planner().name;
-        let is_import = match self.store.manifest(Scope::Plan, planner) {
-            Err(StoreError::Corrupt { .. }) => false,
-            other => other?.is_some_and(|plan| is_imported(&plan)),
-        };
+        let plan = manifest_or_stale(&self.store, Scope::Plan, planner)?.unwrap_or_default();
+        let is_import = plan.is_some_and(|plan| is_imported(&plan));
         let recorded = if is_import { None } else { foresight::recorded(&self.store)? };
         match recorded.as_ref().and_then(|config| config["name"].as_str()) {
             Some(name) if name != self.settings.name => Err(StageError::usage(format!(
@@ -426,14 +426,18 @@ impl<S: StageSettings> Run<'_, S> {
         }
     }
 
+    /// Whether a stage's work is made again by this run, or by those that follow from the plan.
+    fn makes(&self, stage: &str) -> bool {
+        self.spec.unit == UnitKind::Plan || stage == self.spec.name
+    }
+
     /// Says what is made again, and asks where that is much and the configuration is to blame.
     fn agree(&self, foresight: &Foresight) -> Result<(), StageError> {
         let told = foresight.lines();
         if told.is_empty() {
             return Ok(());
         }
-        let is_mine = |stage: &str| self.spec.unit == UnitKind::Plan || stage == self.spec.name;
-        let verb = |stage: &str| if is_mine(stage) { "makes again" } else { "makes stale" };
+        let verb = |stage: &str| if self.makes(stage) { "makes again" } else { "makes stale" };
         let lines = told.into_iter().map(|(stage, line)| format!("{} {line}", verb(stage)));
         let lines: Vec<String> = lines.chain(foresight.changed()).collect();
         let limit_s = self.settings.store.ask_beyond_s;
@@ -455,8 +459,9 @@ impl<S: StageSettings> Run<'_, S> {
 
     /// Says what would be done.
     fn tell(&self, scopes: &[Scope], foresight: &Foresight) -> Result<u8, StageError> {
-        for (_, line) in foresight.lines() {
-            say(&format!("would make again {line}"));
+        for (stage, line) in foresight.lines() {
+            let verb = if self.makes(stage) { "make again" } else { "make stale" };
+            say(&format!("would {verb} {line}"));
         }
         foresight.changed().for_each(|line| say(&line));
         let sources = self.sources();

@@ -133,7 +133,7 @@ pub(crate) struct Inputs {
 }
 
 /// A stage's manifest, or `Stale` when it is damaged: the stage can be run again as if something had changed.
-fn manifest_or_stale(
+pub(crate) fn manifest_or_stale(
     store: &Store,
     scope: Scope,
     stage: &str,
