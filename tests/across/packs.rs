@@ -164,7 +164,7 @@ fn boxes_follow_the_pose(replay: &Replay, ids: &BTreeSet<ObjectId>) {
 /// How many lidar points lie on objects; each of them lies in its object's box.
 fn points_lie_in_boxes(scene: &SceneReader, replay: &Replay, ids: &BTreeSet<ObjectId>) -> usize {
     let settings = settings::parse(&config(), "test").expect("is valid");
-    let lidar = settings.vehicle_rig.lidars.iter().find(|l| l.semantic).expect("has one");
+    let lidar = settings.scenario.vehicle_rig.lidars.iter().find(|l| l.semantic).expect("has one");
     let mut count = 0;
     for (position, agent) in [AgentId::vehicle(0), AgentId::vehicle(1)].into_iter().enumerate() {
         for row in agent_rows::<SemanticLidarRow>(scene, agent, "SEG-LIDAR").expect("reads") {

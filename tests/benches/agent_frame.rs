@@ -254,7 +254,7 @@ impl<'a> Agentframe<'a> {
     }
 
     fn cameras(&self, scene: &dyn Scene) -> CameraTimes {
-        let rig = &self.settings.vehicle_rig;
+        let rig = &self.settings.scenario.vehicle_rig;
         let weather = self.log.frames[FRAME as usize].weather();
         // Its sun turns by some degrees a frame: nothing of what it sees is kept.
         let when = FrameWeather { frame: FRAME as u32, time_s: 2.0, weather, is_steady: false };
@@ -310,7 +310,7 @@ impl<'a> Agentframe<'a> {
     /// Shading with one feature of pictures after the other switched on or off; `bare` is the same world
     /// without the sky's light on bodies.
     fn features(&self, bare: &SceneWorld) -> Vec<Feature> {
-        let rig = &self.settings.vehicle_rig;
+        let rig = &self.settings.scenario.vehicle_rig;
         let before = self.log.states.iter().find(|s| s.frame == FRAME - 1 && s.id == self.own);
         let before = before.map_or(self.pose, |s| Pose::from_xyz_wxyz(s.xyz_m, s.quaternion));
         let painter = CpuPainter::new(&self.renderer, self);
@@ -351,7 +351,7 @@ impl<'a> Agentframe<'a> {
     }
 
     fn ranging(&self, scene: &dyn Scene) -> Taken {
-        let rig = &self.settings.vehicle_rig;
+        let rig = &self.settings.scenario.vehicle_rig;
         let origin = scene.snapshot().origin;
         let lidar = Lidar::new(&rig.lidars[0]).expect("is a lidar");
         let stream = Stream::new(1, 2, "bench", 3);
@@ -386,7 +386,7 @@ impl<'a> Agentframe<'a> {
     }
 
     fn occupancy(&self) -> [Taken; 3] {
-        let settings = &self.settings.vehicle_occupancy;
+        let settings = &self.settings.scenario.vehicle_occupancy;
         let snapshot = self.snapshot(settings.range_m * 1.5);
         let placement = GridPlacement::new(settings).expect("is a grid");
         let mut cpu = CpuVoxelRenderer::default();
@@ -428,7 +428,7 @@ impl<'a> Agentframe<'a> {
             })
             .collect();
         let observer = Observer { agent: AgentId::vehicle(0), id: self.own, world_from_agent: self.pose };
-        let rig = &self.settings.vehicle_rig;
+        let rig = &self.settings.scenario.vehicle_rig;
         let lidar = Lidar::new(&rig.lidars[0]).expect("is a lidar");
         let mount = lidar.spec().mount.agent_from_sensor();
         let at = scene.snapshot().origin.local_from_body(&(self.pose * mount));

@@ -1,7 +1,21 @@
-//! What can be wrong with the maps of a plan.
+//! What can be wrong with the scenes, maps and models of a plan.
 
 use std::io;
 use std::path::PathBuf;
+
+/// The wish for scenes leads nowhere.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum RosterError {
+    /// An edition without scenes.
+    #[error(
+        "the configuration asks for no scene beyond the {scenes} that older editions have: ask for more (counts are totals), or \
+         say which edition it is to replace: --edition N"
+    )]
+    NothingToGrow {
+        /// Scenes of older editions.
+        scenes: usize,
+    },
+}
 
 /// A map cannot be had.
 #[derive(Debug, thiserror::Error)]

@@ -15,8 +15,9 @@ use runner::{At, Job, Place, Stage, StageError, StageSettings};
 use schema::table::Row;
 use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow};
 use settings::stages::PlanSettings;
-use store::{Scope, Store, keys};
+use store::{SceneKind, Scope, Store, keys};
 
+use crate::error::RosterError;
 use crate::maps::MapSource;
 
 /// The stage.
@@ -33,12 +34,15 @@ pub const STAGE: Stage<PlanSettings> = Stage {
         sections(store, &plan, &models)
     }),
     // Plans without writing, and says what that would come to.
-    forecast: Some(|all, folder, store| {
+    forecast: Some(|editions, folder, store| {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let made = make(&PlanSettings::of(all), folder, store)?;
+        let made = make(&PlanSettings::of_dataset(editions), folder, store)?;
         made.warn();
-        let plan = made.plan;
-        Ok(forecast::lines(all, &Planned { scenes: &plan.scenes, agents: &plan.agents }, cores))
+        let Made { roster, plan, .. } = made;
+        let kind = |slot: SceneSlot| SceneKind { edition: slot.edition, group: slot.group };
+        let kinds = roster.slots.into_iter().map(|slot| (slot.scene, kind(slot))).collect();
+        let planned = Planned { scenes: &plan.scenes, agents: &plan.agents };
+        Ok(forecast::lines(&editions.with_scenes(kinds), &planned, cores))
     }),
 };
 /// Its name.
@@ -55,12 +59,14 @@ struct Made {
 
 fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Result<Made, StageError> {
     let mut settings = as_written.clone();
-    for wish in &mut settings.scenes {
-        wish.map = maps::name_in_store(&wish.map).to_owned();
-    }
-    for start in &mut settings.agents.starts {
-        start.map = maps::name_in_store(&start.map).to_owned();
-    }
+    settings.change_all(&|settings| {
+        for wish in &mut settings.scenes {
+            wish.map = maps::name_in_store(&wish.map).to_owned();
+        }
+        for start in &mut settings.agents.starts {
+            start.map = maps::name_in_store(&start.map).to_owned();
+        }
+    });
     let roster = enrol(store, &settings)?;
     let texts = maps::texts(as_written, &roster.slots, folder, store)?;
     let mut maps = BTreeMap::new();
@@ -166,7 +172,12 @@ fn enrol(store: &Store, settings: &PlanSettings) -> Result<Roster, StageError> {
             made.push(slot.scene);
         }
     }
-    plan::enrol(settings, &existing, &|scene| made.contains(&scene)).at(Place::default)
+    let roster = plan::enrol(settings, &existing, &|scene| made.contains(&scene)).at(Place::default)?;
+    let newest = settings.edition();
+    if newest > 0 && roster.slots.iter().all(|slot| slot.edition != newest) {
+        return Err(StageError::usage(RosterError::NothingToGrow { scenes: roster.slots.len() }));
+    }
+    Ok(roster)
 }
 
 /// Digest of everything the plan says about one scene: the simulation of a scene depends on nothing else of

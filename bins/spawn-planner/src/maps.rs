@@ -16,7 +16,9 @@ use crate::error::MapError;
 /// Digests of the map files, by name in the store. Our own towns are part of the code; a file that is not
 /// found now is in the store already, or missed with a message when it is needed.
 pub(crate) fn digests(settings: &PlanSettings, folder: Option<&Path>) -> BTreeMap<String, String> {
-    let maps = settings.scenes.iter().filter(|s| s.count > 0).map(|s| s.map.as_str());
+    let all = settings.all();
+    let wishes = all.iter().flat_map(|settings| &settings.scenes);
+    let maps = wishes.filter(|s| s.count > 0).map(|s| s.map.as_str());
     maps.filter(|written| town::named(written).is_none())
         .filter_map(|written| {
             let source = read_map_file(written, folder).ok()?;
@@ -56,7 +58,9 @@ pub(crate) fn texts(
     store: &Store,
 ) -> Result<BTreeMap<String, MapSource>, StageError> {
     let mut written_as: BTreeMap<&str, &str> = BTreeMap::new();
-    for written in settings.scenes.iter().filter(|s| s.count > 0).map(|s| s.map.as_str()) {
+    let all = settings.all();
+    let wishes = all.iter().flat_map(|settings| &settings.scenes);
+    for written in wishes.filter(|s| s.count > 0).map(|s| s.map.as_str()) {
         let name = name_in_store(written);
         if let Some(other) = written_as.insert(name, written)
             && other != written

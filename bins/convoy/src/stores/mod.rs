@@ -1,6 +1,7 @@
 //! What the `convoy` program does with stores: all stages in order, the status table, verification.
 
 mod merge;
+mod mixed;
 mod tidy;
 
 use std::path::PathBuf;
@@ -9,12 +10,12 @@ use std::time::{Duration, Instant};
 
 use arguments::stage::Progress;
 use clap::Subcommand;
-use store::{Scope, Store};
+use store::{SceneKind, Scope, Store};
 
 use runner::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Foresight, Graph, Programs, STAMP_LEN,
-    SceneList, StageError, StageSpec, State, StateError, Status, UnitKind, planned_scenes, say,
-    settings_or_faults,
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, EditionWish, Editions, Foresight, Graph,
+    Programs, STAMP_LEN, SceneList, StageError, StageSpec, State, StateError, Status, UnitKind,
+    planned_scenes, say, settings_or_faults,
 };
 
 /// How often a running stage is looked at.
@@ -37,6 +38,14 @@ pub(crate) enum StoreCommand {
         /// Only these scenes.
         #[arg(long, value_name = "LIST")]
         scenes: Option<String>,
+        /// Keep planned scenes as they are: scenes that the configuration asks for beyond them are an edition
+        /// of their own.
+        #[arg(long, conflicts_with = "edition")]
+        grow: bool,
+        /// Put the configuration in place of one edition of the store, by its number (default: the one that
+        /// it equals, else the newest).
+        #[arg(long, value_name = "N")]
+        edition: Option<u32>,
         /// Make finished work again that a changed configuration makes stale. Without it `run` asks, or ends
         /// with 2 and touches nothing, where that is more than `store.ask_beyond_s`.
         #[arg(long)]
@@ -69,6 +78,12 @@ pub(crate) enum StoreCommand {
         /// Only these scenes.
         #[arg(long, value_name = "LIST")]
         scenes: Option<SceneList>,
+        /// What a run with `--grow` would find.
+        #[arg(long, conflicts_with = "edition")]
+        grow: bool,
+        /// What a run with `--edition N` would find.
+        #[arg(long, value_name = "N")]
+        edition: Option<u32>,
     },
     /// Takes into a store all that other stores of the same plan have and it has not: scenes that were made
     /// on several machines.
@@ -76,6 +91,10 @@ pub(crate) enum StoreCommand {
         /// The store that takes it: a folder, by its path or as file:///FOLDER; made where there is none.
         #[arg(long, value_name = "DIR")]
         store: PathBuf,
+        /// Take scenes of other settings, too: each keeps the settings that it was made by, as an edition of
+        /// them. Scenes that both stores have must be the same; `first_scene` keeps numbers apart.
+        #[arg(long)]
+        mixed: bool,
         /// Stores that are joined; they stay as they are.
         #[arg(required = true, value_name = "STORE")]
         from: Vec<PathBuf>,
@@ -105,6 +124,8 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
             store,
             maps,
             scenes,
+            grow,
+            edition,
             redo,
             force,
             accept_code,
@@ -123,6 +144,12 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
             if accept_code {
                 common.push("--accept-code".into());
             }
+            if grow {
+                common.push("--grow".into());
+            }
+            if let Some(edition) = edition {
+                common.extend(["--edition".into(), edition.to_string()]);
+            }
             if dry_run {
                 common.push("--dry-run".into());
             }
@@ -131,11 +158,12 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
             let of_planner: Vec<&str> = of_planner.map(|(word, _)| word).collect();
             run(&common, &of_planner, scenes.as_deref(), &store)
         }
-        StoreCommand::Status { config, store, scenes } => {
+        StoreCommand::Status { config, store, scenes, grow, edition } => {
             let programs = Programs::of_build(stamp, None);
-            status(&config, &store, scenes.as_ref(), &programs)
+            let wish = arguments::stage::edition_wish(grow, edition);
+            status(&config, (&store, wish), scenes.as_ref(), &programs)
         }
-        StoreCommand::Merge { store, from } => merge::merge(&store, &from),
+        StoreCommand::Merge { store, mixed, from } => merge::merge(&store, &from, mixed),
         StoreCommand::Tidy { store } => tidy::tidy(&store),
         StoreCommand::Verify { store } => verify(&store),
     }
@@ -224,14 +252,15 @@ fn run_program(command: &mut Command) -> std::io::Result<u8> {
 
 fn status(
     config: &std::path::Path,
-    store: &std::path::Path,
+    (store, wish): (&std::path::Path, EditionWish),
     only: Option<&SceneList>,
     programs: &Programs,
 ) -> u8 {
     let Some(settings) = settings_or_faults(config, false) else { return EXIT_USAGE };
     let told = Store::open(store).map_err(StageError::from).and_then(|store| {
-        let all_done = status_table(Status::new(&store, &settings, programs), &store, only)?;
-        let foresight = Foresight::of_plan(&store, &settings, programs)?;
+        let editions = Editions::of_store(&store, &settings, wish)?;
+        let all_done = status_table(Status::new(&store, &editions, programs), &editions, &store, only)?;
+        let foresight = Foresight::of_plan(&store, &editions, programs)?;
         for (_, line) in foresight.lines() {
             say(&format!("the next run makes again {line}"));
         }
@@ -253,7 +282,12 @@ fn status(
     }
 }
 
-fn status_table(status: Status<'_>, store: &Store, only: Option<&SceneList>) -> Result<bool, StateError> {
+fn status_table(
+    status: Status<'_>,
+    editions: &Editions,
+    store: &Store,
+    only: Option<&SceneList>,
+) -> Result<bool, StateError> {
     let stages = &Graph::get().stages;
     let mut reasons = Vec::new();
     let mut all_done = true;
@@ -278,7 +312,9 @@ fn status_table(status: Status<'_>, store: &Store, only: Option<&SceneList>) -> 
     }
     let per_scene: Vec<_> = stages.iter().filter(|s| s.unit == UnitKind::Scene).collect();
     let header: Vec<String> = per_scene.iter().map(|s| format!("{:>17}", s.name)).collect();
-    say(&format!("scene {}", header.join(" ")));
+    let has_kinds = editions.all().len() > 1 || !editions.newest().groups.is_empty();
+    let kinds = if has_kinds { "  edition and group" } else { "" };
+    say(&format!("scene {}{kinds}", header.join(" ")));
     for scene in planned_scenes(store)?.unwrap_or_default() {
         if only.is_some_and(|list| !list.contains(scene)) {
             continue;
@@ -287,6 +323,10 @@ fn status_table(status: Status<'_>, store: &Store, only: Option<&SceneList>) -> 
         let mut line = name.clone();
         for stage in &per_scene {
             line.push_str(&format!(" {:>17}", cell(&name, stage, Scope::Scene(scene))?));
+        }
+        if has_kinds {
+            let SceneKind { edition, group } = editions.kind_of(scene);
+            line.push_str(&format!("  {edition} {group}"));
         }
         say(&line);
     }

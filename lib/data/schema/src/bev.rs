@@ -1,10 +1,10 @@
 //! The 14 bird's-eye-view classes.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// One class of a BEV mask; the number is its channel where all are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(into = "&'static str")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(into = "&'static str", try_from = "String")]
 #[repr(u8)]
 #[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum BevClass {
@@ -65,6 +65,14 @@ impl BevClass {
     #[must_use]
     pub fn rgb(self) -> [u8; 3] {
         RGB[self as usize]
+    }
+}
+
+impl TryFrom<String> for BevClass {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        Self::from_name(&name).ok_or_else(|| format!("`{name}` is no class of BEV masks"))
     }
 }
 

@@ -5,7 +5,10 @@
 //! rows are: rows are not here, because the planner knows kinds of images and no tables of sensors.
 //! What it costs stands in `forecast`.
 
+use std::collections::BTreeMap;
+
 use serde::ser::{Serialize, SerializeMap, Serializer};
+use serde::{Deserialize, Deserializer};
 
 /// How the values of an image are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -208,6 +211,20 @@ impl Serialize for ImageSet {
             map.serialize_entry(kind.spec().flag, &self.has(*kind))?;
         }
         map.end()
+    }
+}
+
+/// A kind without a flag is wanted as it is by default.
+impl<'de> Deserialize<'de> for ImageSet {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let flags = BTreeMap::<String, bool>::deserialize(deserializer)?;
+        let mut images = Self::default();
+        for &kind in ImageKind::ALL {
+            if let Some(&wanted) = flags.get(kind.spec().flag) {
+                images.set(kind, wanted);
+            }
+        }
+        Ok(images)
     }
 }
 

@@ -1,28 +1,20 @@
 //! Everything that determines a dataset. Only the configuration and those who hand out its parts know this
 //! whole: stages get the parts that they use ([`crate::stages`]).
 
-use crate::agents::AgentSettings;
 use crate::annotation::AnnotationSettings;
 use crate::bev::{BevRule, BevSettings};
 use crate::card::CardSettings;
 use crate::config_key::ConfigKey;
-use crate::hazards::HazardSettings;
+use crate::groups::{self, Group};
 use crate::key::{Settings, settings};
-use crate::lights::LightSettings;
 use crate::models::ModelSettings;
-use crate::occupancy::OccupancySettings;
-use crate::per_agent::PerAgent;
 use crate::reader::{Section, describe};
-use crate::rig::{OwnRig, Rig};
+use crate::scenario::{Scenario, known_models};
+use crate::scenes;
 use crate::scenes::SceneCount;
 use crate::store::StoreSettings;
-use crate::timing::TimingSettings;
 use crate::tracks::TrackSettings;
-use crate::traffic::TrafficSettings;
-use crate::walkers::WalkerSettings;
-use crate::weather::WeatherSettings;
 use crate::world::WorldSettings;
-use crate::{rig_keys, scenes};
 
 settings! {
     /// Everything that determines a dataset, besides maps and code.
@@ -38,44 +30,28 @@ settings! {
         seed: u64 = 27, within(0..=i64::MAX as u64);
         /// How many scenes on which map.
         scenes: Vec<SceneCount> = Vec::new(), by(scenes::counts);
+        /// Number of the first scene. Stores that are made apart and merged later have numbers of their own.
+        #[serde(skip_serializing_if = "scenes::is_zero")]
+        first_scene: u32 = 0, within(0..=900_000);
         /// Scenes to replace by other ones of the same split and map; keys are scene numbers.
         redraw: Vec<(u32, u32)> = Vec::new(), by(scenes::redraw);
-        /// Data-collection vehicles and RSUs.
-        agents: AgentSettings = AgentSettings::default(), table();
         /// Models besides the built-in ones.
         #[serde(skip_serializing_if = "ModelSettings::is_built_in")]
         models: ModelSettings = ModelSettings::default(), table();
-        /// Warm-up and durations.
-        timing: TimingSettings = TimingSettings::default(), table();
-        /// Background vehicles and drivers.
-        traffic: TrafficSettings = TrafficSettings::default(), table();
-        /// Pedestrians.
-        walkers: WalkerSettings = WalkerSettings::default(), table();
-        /// Weather draws and overrides.
-        weather: WeatherSettings = WeatherSettings::default(), table();
-        /// Street lamps and lit windows at night.
-        lights: LightSettings = LightSettings::default(), table();
-        /// Accidents and road works.
-        hazards: HazardSettings = HazardSettings::default(), table();
+        /// What groups of scenes may have of their own.
+        #[serde(flatten)]
+        scenario: Scenario = Scenario::default(), flat();
         /// The static world: scenery placed by rule on the land beside the roads.
         world: WorldSettings = WorldSettings::default(), table();
-        /// Sensors of every data-collection vehicle.
-        vehicle_rig: Rig = Rig::vehicle(), named("vehicle"), by(rig_keys::rig);
-        /// Sensors of every RSU.
-        rsu_rig: Rig = Rig::rsu(), named("rsu"), by(rig_keys::rig);
-        /// Agents with sensors and voxel grid of their own; besides `agents` all keys of `vehicle` or `rsu`,
-        /// with the same defaults.
-        own_rigs: Vec<OwnRig> = Vec::new(), named("rigs"), by(rig_keys::own);
         /// Which objects are annotated.
         annotation: AnnotationSettings = AnnotationSettings::default(), table();
         /// Objects followed over a scene.
         tracks: TrackSettings = TrackSettings::default(), table();
         /// Bird's-eye-view masks.
         bev: BevSettings = BevSettings::default(), table();
-        /// Voxel grids of vehicles.
-        vehicle_occupancy: OccupancySettings = OccupancySettings::default(), named("vehicle"), by(rig_keys::grid);
-        /// Voxel grids of RSUs.
-        rsu_occupancy: OccupancySettings = OccupancySettings::default(), named("rsu"), by(rig_keys::grid);
+        /// Kinds of scenes: what stands in the table of a group goes before what stands at the top.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        groups: Vec<Group> = Vec::new(), or("all scenes are of one kind"), by(groups::read);
     }
     rule consistent;
 }
@@ -93,35 +69,18 @@ pub(crate) fn read(root: &Section<'_>) -> DatasetSettings {
 
 /// What keys of several tables must be together.
 fn consistent(root: &Section<'_>, settings: &DatasetSettings) {
+    let all = settings.groups.iter().flat_map(|group| &group.scenes).chain(&settings.scenes);
+    if all.map(|scenes| scenes.count).all(|count| count == 0) {
+        let example = "[scenes.train] with \"convoy/demo\" = 2";
+        root.fault_at("scenes", format!("no scenes: add a table such as {example}"));
+    }
     check_rates(root, settings);
-    check_observers(root, settings);
     if settings.models.is_built_in() {
-        known_models(root, &settings.agents);
-    }
-    if settings.agents.penetration.is_some() && settings.traffic.vehicles.is_none() {
-        root.fault_at(
-            "agents",
-            "`agents.penetration` is a share of `traffic.vehicles`: say how many vehicles there are".into(),
-        );
-    }
-}
-
-fn known_models(root: &Section<'_>, settings: &AgentSettings) {
-    for model in &settings.vehicle_models {
-        if catalogue::models::find(model).is_none_or(|m| m.wheelbase_m <= 0.0) {
-            let problem = format!("`agents.vehicle_models`: no vehicle model `{model}`");
-            root.section("agents", "").fault_at("vehicle_models", problem);
+        known_models(root, &settings.scenario.agents);
+        let items = root.sections("groups", "", "").unwrap_or_default();
+        for (item, group) in items.iter().zip(&settings.groups) {
+            known_models(item, &group.scenario.agents);
         }
-    }
-}
-
-fn check_observers(root: &Section<'_>, settings: &DatasetSettings) {
-    let check = rig_keys::check_observers;
-    check(&root.section("vehicle", ""), &settings.vehicle_rig, &settings.vehicle_occupancy);
-    check(&root.section("rsu", ""), &settings.rsu_rig, &settings.rsu_occupancy);
-    let own = root.sections("rigs", "", "").unwrap_or_default();
-    for (section, own) in own.iter().zip(&settings.own_rigs) {
-        check(section, &own.rig, &own.occupancy);
     }
 }
 
@@ -152,21 +111,17 @@ impl DatasetSettings {
         Self { scenes, ..Self::default() }
     }
 
-    /// Sensors of each agent.
+    /// The settings of a group's scenes: those of the dataset with what the group has of its own. The empty
+    /// name stands for scenes of no group. None where there is no such group.
     #[must_use]
-    pub fn rigs(&self) -> PerAgent<Rig> {
-        let own = self.own_rigs.iter().map(|own| (own.agents.clone(), own.rig.clone()));
-        PerAgent { vehicle: self.vehicle_rig.clone(), rsu: self.rsu_rig.clone(), own: own.collect() }
+    pub fn of_group(&self, name: &str) -> Option<Self> {
+        let scenario = if name.is_empty() { &self.scenario } else { &self.group(name)?.scenario };
+        Some(Self { scenario: scenario.clone(), groups: Vec::new(), ..self.clone() })
     }
 
-    /// Voxel grid of each agent.
+    /// A group by its name.
     #[must_use]
-    pub fn occupancy(&self) -> PerAgent<OccupancySettings> {
-        let own = self.own_rigs.iter().map(|own| (own.agents.clone(), own.occupancy.clone()));
-        PerAgent {
-            vehicle: self.vehicle_occupancy.clone(),
-            rsu: self.rsu_occupancy.clone(),
-            own: own.collect(),
-        }
+    pub fn group(&self, name: &str) -> Option<&Group> {
+        self.groups.iter().find(|group| group.name == name)
     }
 }

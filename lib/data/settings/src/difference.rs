@@ -109,9 +109,11 @@ fn as_pairs(list: &[Value]) -> Option<BTreeMap<&str, &Value>> {
 }
 
 fn below(path: &str, name: &str) -> String {
-    if path.is_empty() {
+    let is_group = path.starts_with("groups[") && path.ends_with(']') && !path.contains('.');
+    if path.is_empty() || is_group {
         let place = PLACES.iter().find(|(kept, _)| *kept == name);
-        return place.map_or(name, |(_, written)| written).to_owned();
+        let name = place.map_or(name, |(_, written)| written);
+        return if is_group { format!("{path}.{name}") } else { name.to_owned() };
     }
     format!("{path}.{name}")
 }
@@ -170,6 +172,12 @@ mod tests {
         assert_eq!(
             changed("[rsu.occupancy]\nvoxel_m = 0.4\n[weather.initial]\nsun_altitude_deg = 30\n"),
             ["rsu.occupancy.voxel_m: 0.1 -> 0.4", "weather.initial.sun_altitude_deg: none -> 30.0"]
+        );
+        let group = |text: &str| config(&format!("[[groups]]\nname = \"g\"\n{text}"));
+        let range = "[groups.vehicle.lidar]\nrange_m = 60\n";
+        assert_eq!(
+            told(&group(""), &group(range)),
+            ["groups[g].vehicle.lidars[LIDAR].range_m: 120.0 -> 60.0"]
         );
         let more = changed("[[vehicle.lidars]]\nname = \"ROOF\"\n");
         assert_eq!(more.len(), 1, "{more:?}");

@@ -4,6 +4,7 @@ use serde_json::{Map, Value, json};
 
 use crate::config_key::{Absent, ConfigKey, Kind};
 use crate::dataset::config_keys;
+use crate::groups::scenario_keys;
 use crate::rig_keys::FILE_KEY;
 
 const DIALECT: &str = "http://json-schema.org/draft-07/schema#";
@@ -21,6 +22,11 @@ pub fn json_schema() -> Value {
     let own = &mut root["properties"]["rigs"]["items"]["properties"];
     for key in of_kind.iter().filter(|key| *key != FILE_KEY) {
         own[key] = json!({ "$ref": format!("#/properties/vehicle/properties/{key}") });
+    }
+    // Groups have the tables of a scenario as they are at the top.
+    let own = &mut root["properties"]["groups"]["items"]["properties"];
+    for key in scenario_keys() {
+        own[&key] = json!({ "$ref": format!("#/properties/{key}") });
     }
     root
 }

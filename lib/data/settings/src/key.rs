@@ -35,7 +35,8 @@ macro_rules! settings {
         $(rule $rule:path;)?
     ) => {
         $(#[doc = $about])+
-        #[derive(Clone, Debug, PartialEq, serde::Serialize $($(, $derive)+)?)]
+        #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize $($(, $derive)+)?)]
+        #[serde(default)]
         $vis struct $name {
             $(
                 $(#[doc = $doc])+
@@ -74,7 +75,7 @@ macro_rules! choice {
         }
     ) => {
         $(#[doc = $about])+
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
         $vis enum $name {
             $($(#[doc = $doc])+ $(#[$default])? #[serde(rename = $word)] $variant,)+
         }

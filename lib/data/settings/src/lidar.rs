@@ -1,7 +1,7 @@
 //! Lidars.
 
 use frames::deg;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::key::{Name, settings};
 use crate::mount::Mount;
@@ -76,7 +76,7 @@ settings! {
 }
 
 /// Which echoes of a beam are returned; one that is several of these is returned once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Returned {
     /// The nearest.
     pub first: bool,

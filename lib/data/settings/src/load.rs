@@ -40,7 +40,7 @@ fn parse_yaml(text: &str, file: &str) -> Result<(DatasetSettings, Vec<Fault>), V
 pub fn parse(text: &str, file: &str) -> Result<DatasetSettings, Vec<Fault>> {
     let whole = Source { written: String::new(), file: file.to_owned(), text: Ok(text.to_owned()) };
     let folder = Path::new(file).parent().unwrap_or(Path::new(""));
-    let named = texts_of(text, rig_keys::FILE_KEY, &["vehicle", "rsu"], &["rigs"]);
+    let named = texts_of(text, rig_keys::FILE_KEY);
     let rigs = named.into_iter().filter(|written| !written.is_empty()).map(|written| {
         let path = folder.join(&written);
         let text = std::fs::read_to_string(&path).map_err(|e| e.to_string());
@@ -57,6 +57,8 @@ pub(crate) fn example_settings() -> DatasetSettings {
         .expect("the smallest configuration is valid")
 }
 
+#[cfg(test)]
+mod group_tests;
 #[cfg(test)]
 mod rig_tests;
 #[cfg(test)]

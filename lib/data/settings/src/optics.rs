@@ -1,12 +1,12 @@
 //! What makes the pictures of a camera.
 
 use frames::math;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use schema::lens::{Lens, LensModel};
 
 /// Size and intrinsics of a camera's pictures.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Optics {
     /// Columns, pixels.
     pub width: u32,

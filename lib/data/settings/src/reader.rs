@@ -46,6 +46,14 @@ struct Document<'a> {
     table: Spanned<DeTable<'a>>,
 }
 
+impl Document<'_> {
+    /// The line where a span begins, from 1.
+    fn line_of(&self, span: &Range<usize>) -> usize {
+        let text = self.source.text.as_deref().unwrap_or_default();
+        text[..span.start.min(text.len())].matches('\n').count() + 1
+    }
+}
+
 struct Context<'a> {
     /// The configuration first.
     documents: &'a [Document<'a>],
@@ -74,15 +82,21 @@ impl<'a> Context<'a> {
     }
 
     fn fault(&self, document: usize, span: Option<Range<usize>>, message: String) {
-        let Some(Document { source, .. }) = self.documents.get(document) else { return };
-        let text = source.text.as_deref().unwrap_or_default();
-        let line = span.map(|s| text[..s.start.min(text.len())].matches('\n').count() + 1);
+        let Some(known) = self.documents.get(document) else { return };
+        let source = known.source;
+        let line = span.map(|span| known.line_of(&span));
         let fault = Fault { file: source.file.clone(), line, message };
         let found = ((document, line.unwrap_or(usize::MAX)), fault);
         let mut faults = self.faults.borrow_mut();
         if !faults.contains(&found) {
             faults.push(found);
         }
+    }
+
+    /// Whether something is wrong already on the line where a span begins.
+    fn has_fault_at(&self, document: usize, span: &Range<usize>) -> bool {
+        let line = self.documents.get(document).map(|known| known.line_of(span));
+        self.faults.borrow().iter().any(|((d, l), _)| *d == document && Some(*l) == line)
     }
 
     /// A table that is read; the first time its layers are those that are given.
@@ -99,7 +113,8 @@ impl<'a> Context<'a> {
     /// Keys that were never asked for are faults: a typing mistake must not pass in silence.
     fn check_unknown(&self) {
         for (path, Table { layers, seen }) in &*self.tables.borrow() {
-            for (key, document) in layers.iter().flat_map(|l| l.table.iter().map(|(k, _)| (k, l.document))) {
+            let own = layers.iter().filter(|layer| !layer.is_inherited);
+            for (key, document) in own.flat_map(|l| l.table.iter().map(|(k, _)| (k, l.document))) {
                 let name = key.get_ref().as_ref();
                 if seen.contains(name) {
                     continue;
@@ -127,6 +142,14 @@ struct Layer<'a> {
     document: usize,
     /// Where the table stands; a document itself stands nowhere.
     span: Option<Range<usize>>,
+    /// A group has it from the top, where it was read and judged by itself.
+    is_inherited: bool,
+}
+
+impl<'a> Layer<'a> {
+    fn of_document(whole: &'a Document<'a>, document: usize) -> Self {
+        Self { table: whole.table.get_ref(), document, span: None, is_inherited: false }
+    }
 }
 
 /// A table of the configuration, or the absence of one (then every key has its default). Below it may lie the
@@ -143,6 +166,7 @@ pub(crate) struct Section<'a> {
 struct Found<'a> {
     value: &'a Spanned<DeValue<'a>>,
     document: usize,
+    is_inherited: bool,
 }
 
 /// Parses a configuration and the files that it names, and reads it; keys that were not asked for are faults.
@@ -161,7 +185,7 @@ pub(crate) fn with_documents<T>(
         context.fault(number, error.span(), error.message().replace('\n', ", "));
     }
     let whole = context.documents.first();
-    let layer = whole.map(|whole| Layer { table: whole.table.get_ref(), document: 0, span: None });
+    let layer = whole.map(|whole| Layer::of_document(whole, 0));
     let value = read(&context.open(String::new(), || layer.into_iter().collect()));
     context.check_unknown();
     let mut faults = context.faults.take();
@@ -172,15 +196,20 @@ pub(crate) fn with_documents<T>(
     Err(faults.into_iter().map(|(_, fault)| fault).collect())
 }
 
-/// The texts that a key has in some tables of a configuration, and in the tables of some lists: the files
-/// that it names.
-pub(crate) fn texts_of(text: &str, key: &str, tables: &[&str], lists: &[&str]) -> BTreeSet<String> {
+/// The texts that a key has anywhere in a configuration: the files that it names.
+pub(crate) fn texts_of(text: &str, key: &str) -> BTreeSet<String> {
     let (document, _) = DeTable::parse_recoverable(text);
-    let root = document.get_ref();
-    let in_tables = tables.iter().filter_map(|name| root.get(*name)?.get_ref().as_table());
-    let in_lists = lists.iter().filter_map(|name| root.get(*name)?.get_ref().as_array());
-    let in_lists = in_lists.flatten().filter_map(|item| item.get_ref().as_table());
-    in_tables.chain(in_lists).filter_map(|t| t.get(key)?.get_ref().as_str().map(str::to_owned)).collect()
+    let mut found = BTreeSet::new();
+    let mut tables = vec![document.get_ref()];
+    while let Some(table) = tables.pop() {
+        found.extend(table.get(key).and_then(|value| value.get_ref().as_str()).map(str::to_owned));
+        for (_, value) in table.iter() {
+            tables.extend(value.get_ref().as_table());
+            let items = value.get_ref().as_array().into_iter().flatten();
+            tables.extend(items.filter_map(|item| item.get_ref().as_table()));
+        }
+    }
+    found
 }
 
 /// The keys that a reading function asks for.
@@ -207,12 +236,45 @@ impl<'a> Section<'a> {
 
     /// What a key has in each layer, the topmost first.
     fn all(&self, key: &str) -> impl Iterator<Item = Found<'a>> {
-        let found = |l: &Layer<'a>| Some(Found { value: l.table.get(key)?, document: l.document });
+        let found = |l: &Layer<'a>| {
+            Some(Found { value: l.table.get(key)?, document: l.document, is_inherited: l.is_inherited })
+        };
         self.layers.iter().filter_map(found)
     }
 
     fn fault(&self, found: Found<'_>, message: String) {
-        self.context.fault(found.document, Some(found.value.span()), message);
+        let span = found.value.span();
+        // What is wrong with a key at the top is said once, not for each group.
+        if !(found.is_inherited && self.context.has_fault_at(found.document, &span)) {
+            self.context.fault(found.document, Some(span), message);
+        }
+    }
+
+    /// Lays the section over another one: keys and tables that it lacks are taken from there.
+    pub(crate) fn over(mut self, base: &Self) -> Self {
+        let inherited = base.layers.iter().map(|layer| Layer { is_inherited: true, ..layer.clone() });
+        self.layers.extend(inherited);
+        self.keep_layers();
+        self
+    }
+
+    /// The section has these layers wherever it is opened again.
+    fn keep_layers(&self) {
+        let mut tables = self.context.tables.borrow_mut();
+        tables.entry(self.path.clone()).or_default().layers.clone_from(&self.layers);
+    }
+
+    /// Keys that stand in the section itself and were asked for in another one, but not in this one; from
+    /// here on they count as asked for.
+    pub(crate) fn take_keys_of(&self, other: &Self) -> Vec<String> {
+        let tables = self.context.tables.borrow();
+        let seen = |path: &str, key: &str| tables.get(path).is_some_and(|table| table.seen.contains(key));
+        let own = self.layers.iter().filter(|layer| !layer.is_inherited);
+        let keys = own.flat_map(|layer| layer.table.iter().map(|(key, _)| key.get_ref().to_string()));
+        let keys: Vec<String> = keys.filter(|key| !seen(&self.path, key) && seen(&other.path, key)).collect();
+        drop(tables);
+        keys.iter().for_each(|key| self.see(key));
+        keys
     }
 
     /// Lays the section over the file that a key names, if it does: keys that it lacks are taken from there.
@@ -243,10 +305,11 @@ impl<'a> Section<'a> {
             let message = format!("`{}`: such a file names no other", self.full(key));
             self.context.fault(number, Some(nested.span()), message);
         }
-        self.layers.push(Layer { table, document: number, span: None });
-        let mut tables = self.context.tables.borrow_mut();
-        tables.entry(self.path.clone()).or_default().layers.clone_from(&self.layers);
-        drop(tables);
+        // Before what a group has from the top.
+        let below = self.layers.iter().position(|l| l.table.get(key).is_some()).map_or(0, |at| at + 1);
+        let is_inherited = found.is_inherited;
+        self.layers.insert(below, Layer { is_inherited, ..Layer::of_document(document, number) });
+        self.keep_layers();
         self
     }
 
@@ -471,7 +534,8 @@ impl<'a> Section<'a> {
                 match found.value.get_ref().as_table() {
                     Some(table) => {
                         let span = Some(found.value.span());
-                        layers.push(Layer { table, document: found.document, span });
+                        let Found { document, is_inherited, .. } = found;
+                        layers.push(Layer { table, document, span, is_inherited });
                     }
                     None => self.wrong_type(key, found, "a table"),
                 }
@@ -496,7 +560,8 @@ impl<'a> Section<'a> {
                 continue;
             };
             let path = format!("{}[{i}]", self.full(key));
-            let layer = Layer { table, document: found.document, span: Some(item.span()) };
+            let Found { document, is_inherited, .. } = found;
+            let layer = Layer { table, document, span: Some(item.span()), is_inherited };
             sections.push(self.context.open(path, || vec![layer]));
         }
         Some(sections)

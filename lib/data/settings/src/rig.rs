@@ -1,7 +1,7 @@
 //! All sensors of an agent.
 
 use frames::deg;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::camera::{CameraSettings, CameraSpec};
 use crate::inertial::{GnssSpec, ImuSpec};
@@ -11,7 +11,7 @@ use crate::occupancy::OccupancySettings;
 use crate::radar::RadarSpec;
 
 /// All sensors of one kind of agent.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rig {
     /// What the cameras share.
     pub camera: CameraSettings,
@@ -93,7 +93,7 @@ impl Rig {
 }
 
 /// Sensors and voxel grid of some agents, instead of those of their kind.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OwnRig {
     /// `vehicle_1`, `rsu_0`, ...; all of one kind.
     pub agents: Vec<String>,

@@ -31,7 +31,7 @@ impl Split {
 }
 
 /// A wish for some scenes of a split on a map.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneCount {
     /// The split.
     pub split: Split,
@@ -57,13 +57,13 @@ pub(crate) fn counts(root: &Section<'_>, name: &Name, _: Vec<SceneCount>) -> Vec
         );
         scenes.extend(counts.into_iter().map(|(map, count)| SceneCount { split, map, count: count as u32 }));
     }
-    if scenes.iter().all(|s| s.count == 0) {
-        root.fault_at(
-            name.key,
-            "no scenes: add a table such as [scenes.train] with \"convoy/demo\" = 2".into(),
-        );
-    }
     scenes
+}
+
+/// Whether a number is not written down: records are as they were before there was the key.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+pub(crate) fn is_zero(number: &u32) -> bool {
+    *number == 0
 }
 
 /// Which scenes are drawn anew.

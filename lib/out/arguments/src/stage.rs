@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, ValueEnum};
-use runner::{ProgressMode, STAMP_LEN, SceneList, Shard, Stage, StageOptions, StageSettings};
+use runner::{EditionWish, ProgressMode, STAMP_LEN, SceneList, Shard, Stage, StageOptions, StageSettings};
 
 /// A stage of Convoy's pipeline: does what is missing or stale, for all scenes of the plan or for some.
 #[derive(Clone, Debug, Parser)]
@@ -30,6 +30,14 @@ pub struct StageArgs {
     /// JOB_COMPLETION_INDEX.
     #[arg(long, value_name = "[I/]N")]
     shard: Option<Shard>,
+    /// Keep planned scenes as they are: scenes that the configuration asks for beyond them are an edition of
+    /// their own.
+    #[arg(long, conflicts_with = "edition")]
+    grow: bool,
+    /// Put the configuration in place of one edition of the store, by its number (default: the one that it
+    /// equals, else the newest).
+    #[arg(long, value_name = "N")]
+    edition: Option<u32>,
     /// Redo scenes that are done; what was made from them becomes stale.
     #[arg(long)]
     force: bool,
@@ -98,6 +106,8 @@ impl From<StageArgs> for StageOptions {
             maps,
             scenes,
             shard,
+            grow,
+            edition,
             force,
             redo,
             accept_code,
@@ -106,7 +116,31 @@ impl From<StageArgs> for StageOptions {
             progress,
         } = args;
         let progress = progress.into();
-        Self { config, store, maps, scenes, shard, force, redo, accept_code, threads, dry_run, progress }
+        let edition = edition_wish(grow, edition);
+        Self {
+            config,
+            store,
+            maps,
+            scenes,
+            shard,
+            edition,
+            force,
+            redo,
+            accept_code,
+            threads,
+            dry_run,
+            progress,
+        }
+    }
+}
+
+/// What `--grow` and `--edition` ask for.
+#[must_use]
+pub fn edition_wish(grow: bool, edition: Option<u32>) -> EditionWish {
+    match edition {
+        _ if grow => EditionWish::Grown,
+        Some(edition) => EditionWish::Of(edition),
+        None => EditionWish::Known,
     }
 }
 

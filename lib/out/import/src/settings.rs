@@ -29,8 +29,8 @@ pub(crate) fn settings(name: &str, rigs: &Rigs, scenes: &[&SceneSurvey]) -> Data
         let found = || scenes.iter().map(move |scene| of_kind(scene, kind));
         (found().min().unwrap_or(0), found().max().unwrap_or(0))
     };
-    (all.agents.min_vehicles, all.agents.max_vehicles) = extent(AgentKind::Vehicle);
-    (all.agents.min_rsus, all.agents.max_rsus) = extent(AgentKind::Rsu);
+    (all.scenario.agents.min_vehicles, all.scenario.agents.max_vehicles) = extent(AgentKind::Vehicle);
+    (all.scenario.agents.min_rsus, all.scenario.agents.max_rsus) = extent(AgentKind::Rsu);
     match scenes.iter().find_map(|scene| Some((scene.bev_cells?, scene.bev_cell_m))) {
         Some((cells, cell_m)) => all.bev = bev_settings(cells, cell_m),
         None => all.bev.enabled = false,
@@ -40,11 +40,11 @@ pub(crate) fn settings(name: &str, rigs: &Rigs, scenes: &[&SceneSurvey]) -> Data
         agents.flat_map(|(_, keys)| keys.iter().map(String::as_str)).collect()
     };
     let (vehicle, rsu) = (keys(AgentKind::Vehicle), keys(AgentKind::Rsu));
-    all.vehicle_rig = rig(RigSettings::vehicle(), rigs, AgentKind::Vehicle, &vehicle);
-    all.rsu_rig = rig(RigSettings::rsu(), rigs, AgentKind::Rsu, &rsu);
+    all.scenario.vehicle_rig = rig(RigSettings::vehicle(), rigs, AgentKind::Vehicle, &vehicle);
+    all.scenario.rsu_rig = rig(RigSettings::rsu(), rigs, AgentKind::Rsu, &rsu);
     for (place, kind, keys) in [
-        (&mut all.vehicle_occupancy, AgentKind::Vehicle, &vehicle),
-        (&mut all.rsu_occupancy, AgentKind::Rsu, &rsu),
+        (&mut all.scenario.vehicle_occupancy, AgentKind::Vehicle, &vehicle),
+        (&mut all.scenario.rsu_occupancy, AgentKind::Rsu, &rsu),
     ] {
         *place = rigs.rig(kind).occupancy.clone();
         place.enabled = keys.contains(VOXELS);

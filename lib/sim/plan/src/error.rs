@@ -13,6 +13,16 @@ pub enum PlanError {
         /// Names of the maps there are.
         known: String,
     },
+    /// A scene of a group or an edition that the settings lack.
+    #[error("scene {scene}: no settings for group `{group}` of edition {edition}")]
+    UnknownGroup {
+        /// The scene.
+        scene: u32,
+        /// Its edition.
+        edition: u32,
+        /// Its group.
+        group: String,
+    },
     /// A map without lanes for motor traffic.
     #[error("map `{map}`: no driving lanes; vehicles need lanes of type `driving`")]
     NoDrivingLanes {

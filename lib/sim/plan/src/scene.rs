@@ -61,7 +61,8 @@ pub fn plan(settings: &PlanSettings, maps: &BTreeMap<String, PlanMap>) -> Result
     plan_slots(settings, &scene_slots(settings)?, maps, Catalogue::built_in())
 }
 
-/// Plans the scenes of a roster with the models of a catalogue.
+/// Plans the scenes of a roster, each by the settings of its edition and group, with the models of a
+/// catalogue.
 ///
 /// # Errors
 /// As [`plan`].
@@ -71,15 +72,22 @@ pub fn plan_slots(
     maps: &BTreeMap<String, PlanMap>,
     catalogue: &Catalogue,
 ) -> Result<Plan, PlanError> {
-    let mut pools: BTreeMap<&str, SpawnPool> = BTreeMap::new();
+    // By map and spacing, as its bits.
+    let mut pools: BTreeMap<(&str, u64), SpawnPool> = BTreeMap::new();
     let mut plan = Plan::default();
     for slot in slots {
         let Some((name, map)) = maps.get_key_value(&slot.map) else {
             let known = maps.keys().cloned().collect::<Vec<_>>().join(", ");
             return Err(PlanError::UnknownMap { map: slot.map.clone(), known });
         };
-        let pool =
-            pools.entry(name).or_insert_with(|| SpawnPool::new(&map.map, settings.agents.spawn_separation_m));
+        let Some(settings) = settings.of_group(slot.edition, &slot.group) else {
+            let (scene, group) = (slot.scene, slot.group.clone());
+            return Err(PlanError::UnknownGroup { scene, edition: slot.edition, group });
+        };
+        let separation_m = settings.agents.spawn_separation_m;
+        let pool = pools
+            .entry((name, separation_m.to_bits()))
+            .or_insert_with(|| SpawnPool::new(&map.map, separation_m));
         let planned = plan_scene(settings, slot, map, pool, catalogue)?;
         plan.scenes.push(planned.scene);
         plan.agents.extend(planned.agents);

@@ -6,6 +6,7 @@ use std::fmt;
 use schema::AgentId;
 use store::StoreError;
 
+use crate::editions::EditionError;
 use crate::status::{NotReady, StateError};
 use crate::views::ViewError;
 use crate::{EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE};
@@ -68,6 +69,15 @@ impl From<StateError> for StageError {
         match error {
             StateError::Store(error) => error.into(),
             StateError::View(error) => error.into(),
+        }
+    }
+}
+
+impl From<EditionError> for StageError {
+    fn from(error: EditionError) -> Self {
+        match error {
+            EditionError::Store(error) => error.into(),
+            error => Self::usage(error),
         }
     }
 }

@@ -6,9 +6,10 @@ use std::fmt;
 
 use indicatif::DecimalBytes;
 use schema::tables::{PlanAgentRow, PlanSceneRow};
-use settings::{DatasetSettings, KeyChange, key_changes};
+use settings::KeyChange;
 use store::{Manifest, Scope, Store, StoreError, keys};
 
+use crate::editions::Editions;
 use crate::forecast::{Work, work_by_stage};
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::is_imported;
@@ -82,68 +83,41 @@ pub(crate) struct Intent<'a> {
     pub(crate) status: Status<'a>,
 }
 
-/// The configuration that a store was made with last, as `dataset.json` has it.
-///
-/// # Errors
-/// The store cannot be read.
-pub(crate) fn recorded(store: &Store) -> Result<Option<serde_json::Value>, StoreError> {
-    let dataset: Option<serde_json::Value> = match store.read_json(keys::DATASET) {
-        Err(StoreError::Corrupt { .. }) => None,
-        other => other?,
-    };
-    Ok(dataset.and_then(|dataset| dataset.get("config").filter(|config| config.is_object()).cloned()))
-}
-
 impl Foresight {
     /// What a run of all stages would make again as the plan stands.
     ///
     /// # Errors
     /// The store cannot be read.
-    pub fn of_plan(
-        store: &Store,
-        settings: &DatasetSettings,
-        programs: &Programs,
-    ) -> Result<Self, StateError> {
+    pub fn of_plan(store: &Store, editions: &Editions, programs: &Programs) -> Result<Self, StateError> {
         let intent = Intent {
             stages: Graph::get().stages.iter().collect(),
             scenes: None,
             sections: None,
             code: CodeRule::Same,
-            status: Status::new(store, settings, programs),
+            status: Status::new(store, editions, programs),
         };
-        Self::of(store, settings, &intent)
+        Self::of(store, editions, &intent)
     }
 
     /// Looks at all that is finished.
     ///
     /// # Errors
     /// The store cannot be read.
-    pub(crate) fn of(
-        store: &Store,
-        settings: &DatasetSettings,
-        intent: &Intent<'_>,
-    ) -> Result<Self, StateError> {
+    pub(crate) fn of(store: &Store, editions: &Editions, intent: &Intent<'_>) -> Result<Self, StateError> {
         let planner = Graph::get().planner();
         let plan = manifest_or_stale(store, Scope::Plan, planner.name)?.unwrap_or_default();
         if plan.as_ref().is_some_and(is_imported) {
             return Ok(Self::default());
         }
-        let mut foresight = Self { differs: true, ..Self::default() };
-        if let Some(old) = recorded(store)? {
-            // As it would be read back: numbers lose a last digit on the way.
-            let now = serde_json::to_vec(settings).and_then(|text| serde_json::from_slice(&text));
-            foresight.changes = key_changes(&old, &now.unwrap_or_default());
-            foresight.differs = !foresight.changes.is_empty();
-        }
+        let (changes, differs) = editions.changes();
+        let mut foresight = Self { changes, differs, ..Self::default() };
         let planned: BTreeMap<u32, Option<String>> = match &plan {
             Some(plan) => sections_of(plan).map(|(scene, digest)| (scene, Some(digest))).collect(),
             // It was lost: whatever was made of scenes is there.
             None => scenes_begun(store)?.into_iter().map(|scene| (scene, None)).collect(),
         };
         let stages = Graph::get().stages.iter().filter(|stage| stage.unit == UnitKind::Scene);
-        let hash = |stage: &'static StageSpec| Ok((stage, config_hash(stage, settings)?));
-        let stages: Vec<(&'static StageSpec, String)> =
-            stages.map(hash).collect::<Result<_, StateError>>()?;
+        let stages: Vec<&'static StageSpec> = stages.collect();
         let mut costs = Costs::default();
         for (scene, planned) in &planned {
             if intent.scenes.as_ref().is_some_and(|scenes| !scenes.contains(scene)) {
@@ -155,8 +129,10 @@ impl Foresight {
             };
             // What is not planned any more stays as it is.
             let Some(now) = now else { continue };
-            for (stage, redo) in foresight.of_scene(store, &stages, intent, (*scene, planned, now))? {
-                let mut work = costs.of(store, plan.as_ref(), settings, (*scene, stage));
+            for (stage, redo) in
+                foresight.of_scene(store, (&stages, editions), intent, (*scene, planned, now))?
+            {
+                let mut work = costs.of(store, plan.as_ref(), editions, (*scene, stage));
                 work.bytes = redo.bytes;
                 work.core_s = work.core_s.max(redo.bytes / BYTES_PER_CORE_S);
                 let position = Graph::get().stages.iter().position(|s| s.name == stage).unwrap_or_default();
@@ -168,12 +144,11 @@ impl Foresight {
         Ok(foresight)
     }
 
-    /// The finished stages of a scene that would be made again, out of all with what they see of the
-    /// configuration.
+    /// The finished stages of a scene that would be made again, out of all.
     fn of_scene(
         &self,
         store: &Store,
-        stages: &[(&'static StageSpec, String)],
+        (stages, editions): (&[&'static StageSpec], &Editions),
         intent: &Intent<'_>,
         (scene, planned, now): (u32, &Option<String>, &String),
     ) -> Result<Vec<(&'static str, Finished)>, StateError> {
@@ -181,8 +156,9 @@ impl Foresight {
         let mut redone: BTreeMap<&'static str, bool> = BTreeMap::new();
         let mut digests: BTreeMap<&'static str, String> = BTreeMap::new();
         let mut found = Vec::new();
-        for (stage, config_hash) in stages {
-            let manifest = manifest_or_stale(store, Scope::Scene(scene), stage.name)?.unwrap_or_default();
+        let scope = Scope::Scene(scene);
+        for &stage in stages {
+            let manifest = manifest_or_stale(store, scope, stage.name)?.unwrap_or_default();
             let Some(manifest) = manifest.filter(|manifest| !is_imported(manifest)) else { continue };
             digests.insert(stage.name, manifest.digest());
             let made_of = manifest.inputs.get(planner);
@@ -195,7 +171,7 @@ impl Foresight {
             let cause = if made_of.is_some_and(|digest| digest != now) {
                 // Where the plan was made anew already, whoever did that was asked.
                 Some((Cause::Plan, planned.is_none() || made_of == planned.as_ref()))
-            } else if manifest.config_hash != *config_hash {
+            } else if manifest.config_hash != config_hash(stage, editions, scope)? {
                 Some((Cause::Configuration, self.differs))
             } else if let Some((name, asks)) = input {
                 Some((Cause::Input(name), asks))
@@ -312,10 +288,10 @@ impl Costs {
         &mut self,
         store: &Store,
         plan: Option<&Manifest>,
-        settings: &DatasetSettings,
+        editions: &Editions,
         (scene, stage): (u32, &str),
     ) -> Work {
-        let read = || plan.and_then(|plan| Self::read(store, plan, settings).ok()).unwrap_or_default();
+        let read = || plan.and_then(|plan| Self::read(store, plan, editions).ok()).unwrap_or_default();
         let scenes = self.scenes.get_or_insert_with(read);
         scenes.get(&scene).and_then(|stages| stages.get(stage).copied()).unwrap_or_default()
     }
@@ -323,7 +299,7 @@ impl Costs {
     fn read(
         store: &Store,
         plan: &Manifest,
-        settings: &DatasetSettings,
+        editions: &Editions,
     ) -> Result<BTreeMap<u32, BTreeMap<&'static str, Work>>, StoreError> {
         let scenes: Vec<PlanSceneRow> = store.read_rows(plan, keys::PLAN_SCENES)?;
         let agents: Vec<PlanAgentRow> = store.read_rows(plan, keys::PLAN_AGENTS)?;
@@ -332,6 +308,7 @@ impl Costs {
         for agent in &agents {
             let Some(frames) = frames.get(&agent.scene) else { continue };
             let of_scene = costs.entry(agent.scene).or_default();
+            let settings = editions.of(Scope::Scene(agent.scene));
             for (stage, work) in work_by_stage(settings, agent.agent, *frames) {
                 *of_scene.entry(stage).or_default() += work;
             }

@@ -5,6 +5,7 @@
 //! failures kept apart, and turns the outcome into an exit code.
 
 mod code_version;
+mod editions;
 mod error;
 pub mod forecast;
 mod foresight;
@@ -21,6 +22,7 @@ mod status;
 mod views;
 
 pub use code_version::code_version;
+pub use editions::{EditionError, EditionWish, Editions, recorded as recorded_editions, rules_of_record};
 pub use error::{At, Place, StageError, report};
 pub use foresight::{Foresight, scenes_begun};
 pub use graph::{Graph, StageSpec, UnitKind};

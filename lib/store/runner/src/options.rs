@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::editions::EditionWish;
+
 /// What a stage is told when it starts; `arguments::stage` reads it from a command line.
 #[derive(Clone, Debug)]
 pub struct StageOptions {
@@ -15,6 +17,8 @@ pub struct StageOptions {
     pub scenes: Option<SceneList>,
     /// Only this share of the scenes.
     pub shard: Option<Shard>,
+    /// What the configuration is meant to be among the store's editions.
+    pub edition: EditionWish,
     /// Redo scenes that are done.
     pub force: bool,
     /// Make finished work again that a changed configuration makes stale, however much it is.

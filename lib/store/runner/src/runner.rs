@@ -11,8 +11,9 @@ use serde::Serialize;
 use settings::DatasetSettings;
 use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, Unit, keys};
 
+use crate::editions::{self, Editions};
 use crate::error::{Place, StageError};
-use crate::foresight::{self, Foresight, Intent};
+use crate::foresight::{Foresight, Intent};
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::{self, is_imported};
 use crate::options::{ProgressMode, StageOptions};
@@ -34,7 +35,7 @@ pub struct Stage<S> {
     pub sources: fn(&S, Option<&Path>) -> BTreeMap<String, String>,
     /// Digests of the scenes of the plan that the stage would make, if it makes the plan.
     pub sections: Option<Sections<S>>,
-    /// Lines that say what to expect, for `--dry-run`. Takes the settings, the folder with map files and the
+    /// Lines that say what to expect, for `--dry-run`. Takes the editions, the folder with map files and the
     /// store.
     pub forecast: Option<Forecast>,
 }
@@ -54,7 +55,7 @@ impl<S: StageSettings> Stage<S> {
 pub type Sections<S> = fn(&S, Option<&Path>, &Store) -> Result<BTreeMap<u32, String>, StageError>;
 
 /// What to expect before anything runs, line by line.
-pub type Forecast = fn(&DatasetSettings, Option<&Path>, &Store) -> Result<Vec<String>, StageError>;
+pub type Forecast = fn(&Editions, Option<&Path>, &Store) -> Result<Vec<String>, StageError>;
 
 /// One piece of work: a scope of a stage.
 pub struct Job<'a, S> {
@@ -244,6 +245,7 @@ fn try_run<S: StageSettings>(
         maps,
         scenes: _,
         shard: _,
+        edition,
         force,
         redo,
         accept_code,
@@ -262,13 +264,15 @@ fn try_run<S: StageSettings>(
         // Fails only when the pool exists already, which does no harm.
         let _ = rayon::ThreadPoolBuilder::new().num_threads((*threads).max(1)).build_global();
     }
+    let store = Store::open(store)?;
+    let editions = Editions::of_store(&store, &settings, *edition)?;
     let run = Run {
         stage,
         spec,
-        view: S::of(&settings),
-        settings: &settings,
+        of_dataset: S::of_dataset(&editions),
+        editions,
         programs,
-        store: Store::open(store)?,
+        store,
         maps: maps.clone(),
         force: *force,
         redo: *redo,
@@ -309,14 +313,19 @@ fn confirmed(lines: &[String]) -> bool {
 struct DatasetRecord<'a> {
     format_version: u32,
     code_version: &'a str,
+    /// The newest edition.
     config: &'a DatasetSettings,
+    /// All of them, where there are several.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    editions: &'a [DatasetSettings],
 }
 
 struct Run<'a, S> {
     stage: Stage<S>,
     spec: &'static StageSpec,
-    view: S,
-    settings: &'a DatasetSettings,
+    /// What the stage sees where it works on the whole dataset.
+    of_dataset: S,
+    editions: Editions,
     programs: &'a Programs,
     store: Store,
     maps: Option<PathBuf>,
@@ -328,7 +337,7 @@ struct Run<'a, S> {
 
 impl<S: StageSettings> Run<'_, S> {
     fn status(&self) -> Status<'_> {
-        Status::new(&self.store, self.settings, self.programs)
+        Status::new(&self.store, &self.editions, self.programs)
     }
 
     fn scopes(&self, options: &StageOptions) -> Result<Vec<Scope>, StageError> {
@@ -344,7 +353,7 @@ impl<S: StageSettings> Run<'_, S> {
         };
         if let Some(manifest) = self.store.manifest(Scope::Plan, planner.name)?
             && !is_imported(&manifest)
-            && manifest.config_hash != config_hash(planner, self.settings)?
+            && manifest.config_hash != config_hash(planner, &self.editions, Scope::Plan)?
         {
             let message = format!("the plan was made from another configuration: run {} first", planner.name);
             return Err(StageError::usage(message));
@@ -394,7 +403,7 @@ impl<S: StageSettings> Run<'_, S> {
                 if self.store.backend().list("scenes")?.is_empty() {
                     return Ok(Foresight::default());
                 }
-                Some(sections(&self.view, self.maps.as_deref(), &self.store)?)
+                Some(sections(&self.of_dataset, self.maps.as_deref(), &self.store)?)
             }
             _ => None,
         };
@@ -406,7 +415,7 @@ impl<S: StageSettings> Run<'_, S> {
             code: if self.accept_code { CodeRule::Any } else { CodeRule::Same },
             status: self.status(),
         };
-        Ok(Foresight::of(&self.store, self.settings, &intent)?)
+        Ok(Foresight::of(&self.store, &self.editions, &intent)?)
     }
 
     /// Refuses a configuration of another dataset.
@@ -414,13 +423,13 @@ impl<S: StageSettings> Run<'_, S> {
         let planner = Graph::get().planner().name;
         let plan = manifest_or_stale(&self.store, Scope::Plan, planner)?.unwrap_or_default();
         let is_import = plan.is_some_and(|plan| is_imported(&plan));
-        let recorded = if is_import { None } else { foresight::recorded(&self.store)? };
-        match recorded.as_ref().and_then(|config| config["name"].as_str()) {
-            Some(name) if name != self.settings.name => Err(StageError::usage(format!(
-                "{} holds the dataset `{name}`, and this configuration is of `{}`: give another --store, or --force if this one \
-                 is to become that",
-                self.store.location(""),
-                self.settings.name
+        let recorded = if is_import { Vec::new() } else { editions::recorded(&self.store)? };
+        let name = &self.editions.given().name;
+        match recorded.last().and_then(|config| config["name"].as_str()) {
+            Some(recorded) if recorded != name => Err(StageError::usage(format!(
+                "{} holds the dataset `{recorded}`, and this configuration is of `{name}`: give another --store, or --force if \
+                 this one is to become that",
+                self.store.location("")
             ))),
             _ => Ok(()),
         }
@@ -440,7 +449,7 @@ impl<S: StageSettings> Run<'_, S> {
         let verb = |stage: &str| if self.makes(stage) { "makes again" } else { "makes stale" };
         let lines = told.into_iter().map(|(stage, line)| format!("{} {line}", verb(stage)));
         let lines: Vec<String> = lines.chain(foresight.changed()).collect();
-        let limit_s = self.settings.store.ask_beyond_s;
+        let limit_s = self.editions.given().store.ask_beyond_s;
         let is_much = foresight.asks() && foresight.asked_s() >= limit_s;
         if self.redo || !is_much || confirmed(&lines) {
             lines.iter().for_each(|line| tracing::info!("{line}"));
@@ -451,8 +460,8 @@ impl<S: StageSettings> Run<'_, S> {
             return Ok(());
         }
         Err(StageError::usage(format!(
-            "nothing was touched, as this\n  {}\n--redo makes it again; another --store keeps what is there (asked beyond \
-             store.ask_beyond_s = {limit_s} s)",
+            "nothing was touched, as this\n  {}\n--redo makes it again; --grow leaves it, and makes further scenes alone by this \
+             configuration; another --store keeps what is there, too (asked beyond store.ask_beyond_s = {limit_s} s)",
             lines.join("\n  ")
         )))
     }
@@ -471,7 +480,7 @@ impl<S: StageSettings> Run<'_, S> {
             say(&format!("{verb} {} ({state})", self.label(scope)));
         }
         if let Some(forecast) = self.stage.forecast {
-            for line in forecast(self.settings, self.maps.as_deref(), &self.store)? {
+            for line in forecast(&self.editions, self.maps.as_deref(), &self.store)? {
                 say(&line);
             }
         }
@@ -516,7 +525,7 @@ impl<S: StageSettings> Run<'_, S> {
 
     /// What the stage reads outside the store, by the names of its manifest.
     fn sources(&self) -> BTreeMap<String, String> {
-        let found = (self.stage.sources)(&self.view, self.maps.as_deref());
+        let found = (self.stage.sources)(&self.of_dataset, self.maps.as_deref());
         found.into_iter().map(|(name, digest)| (format!("{SOURCE}{name}"), digest)).collect()
     }
 
@@ -561,7 +570,8 @@ impl<S: StageSettings> Run<'_, S> {
         let record = DatasetRecord {
             format_version: schema::FORMAT_VERSION,
             code_version: crate::code_version(Graph::get().planner().name),
-            config: self.settings,
+            config: self.editions.newest(),
+            editions: if self.editions.all().len() > 1 { self.editions.all() } else { &[] },
         };
         let stage = S::STAGE;
         Ok(serde_json::to_vec_pretty(&record).map_err(|source| ViewError::Json { stage, source })?)
@@ -614,14 +624,15 @@ impl<S: StageSettings> Run<'_, S> {
             stage: S::STAGE.into(),
             scope,
             code_version: crate::code_version(S::STAGE).into(),
-            config_hash: config_hash(self.spec, self.settings)?,
+            config_hash: config_hash(self.spec, &self.editions, scope)?,
             inputs: ready.digests.into_iter().chain(sources).collect(),
             made_by: Some(made_by.clone()),
         };
         let attempt = Attempt::start(&self.store, identity, self.force)?;
+        let settings = S::of_scope(&self.editions, scope);
         let mut job = Job {
             store: &self.store,
-            settings: &self.view,
+            settings: &settings,
             status: self.status(),
             made_by,
             maps: self.maps.as_deref(),

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use settings::DatasetSettings;
 use store::{Manifest, Scope, Store, StoreError};
 
+use crate::editions::Editions;
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::is_imported;
 use crate::programs::Programs;
@@ -176,16 +176,16 @@ pub enum StateError {
 #[derive(Clone, Copy, Debug)]
 pub struct Status<'a> {
     store: &'a Store,
-    settings: &'a DatasetSettings,
+    editions: &'a Editions,
     programs: &'a Programs,
     code: CodeRule,
 }
 
 impl<'a> Status<'a> {
-    /// States of stages in a store, by the configuration and the programs of now.
+    /// States of stages in a store, by the configurations and the programs of now.
     #[must_use]
-    pub fn new(store: &'a Store, settings: &'a DatasetSettings, programs: &'a Programs) -> Self {
-        Self { store, settings, programs, code: CodeRule::Same }
+    pub fn new(store: &'a Store, editions: &'a Editions, programs: &'a Programs) -> Self {
+        Self { store, editions, programs, code: CodeRule::Same }
     }
 
     /// The same by a rule for the code that made them.
@@ -214,7 +214,7 @@ impl<'a> Status<'a> {
             let is_there = store.outputs_present(&manifest)?;
             return Ok(if is_there { State::Done } else { State::Stale(Staleness::Output) });
         }
-        if manifest.config_hash != config_hash(spec, self.settings)? {
+        if manifest.config_hash != config_hash(spec, self.editions, scope)? {
             return Ok(State::Stale(Staleness::Configuration));
         }
         if self.code == CodeRule::Same

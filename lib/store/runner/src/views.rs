@@ -6,8 +6,10 @@ use settings::stages::{
     MaskSettings, PlanSettings, RangeRig, RangeSensor, SensorSettings, SimulationSettings,
     StatisticsSettings, ValiditySettings,
 };
-use settings::{DatasetSettings, OccupancySettings, PerAgent, Rig, TrackSettings};
+use settings::{DatasetSettings, Group, OccupancySettings, PerAgent, Rig, TrackSettings};
+use store::Scope;
 
+use crate::editions::Editions;
 use crate::graph::StageSpec;
 
 /// The part of a configuration that a stage sees.
@@ -17,6 +19,19 @@ pub trait StageSettings: Serialize + Sized {
 
     /// Takes the part out of the whole.
     fn of(all: &DatasetSettings) -> Self;
+
+    /// The part of a stage that works on the whole dataset.
+    fn of_dataset(editions: &Editions) -> Self {
+        Self::of(editions.newest())
+    }
+
+    /// The part for a scope: a scene has the settings of its group in its edition.
+    fn of_scope(editions: &Editions, scope: Scope) -> Self {
+        match scope {
+            Scope::Scene(_) => Self::of(editions.of(scope)),
+            Scope::Plan | Scope::Tile { .. } | Scope::Stats => Self::of_dataset(editions),
+        }
+    }
 }
 
 impl StageSettings for PlanSettings {
@@ -26,17 +41,30 @@ impl StageSettings for PlanSettings {
         Self {
             seed: all.seed,
             scenes: all.scenes.clone(),
+            first_scene: all.first_scene,
             redraw: all.redraw.clone(),
-            agents: all.agents.clone(),
+            agents: all.scenario.agents.clone(),
             models: all.models.clone(),
-            timing: all.timing.clone(),
-            traffic: all.traffic.clone(),
-            walkers: all.walkers.clone(),
-            weather: all.weather.clone(),
-            lights: all.lights.clone(),
-            hazards: all.hazards.clone(),
+            timing: all.scenario.timing.clone(),
+            traffic: all.scenario.traffic.clone(),
+            walkers: all.scenario.walkers.clone(),
+            weather: all.scenario.weather.clone(),
+            lights: all.scenario.lights.clone(),
+            hazards: all.scenario.hazards.clone(),
+            groups: all.groups.iter().filter_map(|group| plan_of_group(all, group)).collect(),
+            older: Vec::new(),
         }
     }
+
+    fn of_dataset(editions: &Editions) -> Self {
+        let older = editions.all().split_last().map_or(&[][..], |(_, older)| older);
+        Self { older: older.iter().map(Self::of).collect(), ..Self::of(editions.newest()) }
+    }
+}
+
+fn plan_of_group(all: &DatasetSettings, group: &Group) -> Option<(String, PlanSettings)> {
+    let settings = all.of_group(&group.name)?;
+    Some((group.name.clone(), PlanSettings { scenes: group.scenes.clone(), ..PlanSettings::of(&settings) }))
 }
 
 impl StageSettings for SimulationSettings {
@@ -44,10 +72,10 @@ impl StageSettings for SimulationSettings {
 
     fn of(all: &DatasetSettings) -> Self {
         Self {
-            traffic: all.traffic.clone(),
-            walkers: all.walkers.clone(),
-            lights: all.lights.clone(),
-            hazards: all.hazards.clone(),
+            traffic: all.scenario.traffic.clone(),
+            walkers: all.scenario.walkers.clone(),
+            lights: all.scenario.lights.clone(),
+            hazards: all.scenario.hazards.clone(),
             scenery: all.world.scenery.clone(),
             reach_m: reach_m(all),
             box_radius_m: all.annotation.box_radius_m,
@@ -60,7 +88,7 @@ impl StageSettings for SimulationSettings {
 /// for.
 fn reach_m(all: &DatasetSettings) -> f64 {
     let diagonal = std::f64::consts::SQRT_2;
-    let grids = all.occupancy();
+    let grids = all.scenario.occupancy();
     let occupancy = [&grids.vehicle, &grids.rsu].into_iter().chain(grids.own.iter().map(|(_, grid)| grid));
     let half = occupancy.map(|grid| grid.range_m).fold(0.0, f64::max);
     // Voxels reach up and down as well.
@@ -71,7 +99,7 @@ impl StageSettings for SensorSettings {
     const STAGE: &'static str = "render-sensors";
 
     fn of(all: &DatasetSettings) -> Self {
-        Self { seed: all.seed, rigs: all.rigs() }
+        Self { seed: all.seed, rigs: all.scenario.rigs() }
     }
 }
 
@@ -79,7 +107,7 @@ impl StageSettings for MaskSettings {
     const STAGE: &'static str = "bev-gt";
 
     fn of(all: &DatasetSettings) -> Self {
-        Self { bev: all.bev.clone(), warmup_s: all.timing.warmup_s }
+        Self { bev: all.bev.clone(), warmup_s: all.scenario.timing.warmup_s }
     }
 }
 
@@ -87,7 +115,7 @@ impl StageSettings for PerAgent<OccupancySettings> {
     const STAGE: &'static str = "occupancy-gt";
 
     fn of(all: &DatasetSettings) -> Self {
-        all.occupancy().map(|grid| OccupancySettings { observed: false, ..grid.clone() })
+        all.scenario.occupancy().map(|grid| OccupancySettings { observed: false, ..grid.clone() })
     }
 }
 
@@ -97,8 +125,8 @@ impl StageSettings for ValiditySettings {
     fn of(all: &DatasetSettings) -> Self {
         Self {
             valid_by_image: all.annotation.valid_by_image,
-            rigs: all.rigs().map(range_rig),
-            occupancy: all.occupancy(),
+            rigs: all.scenario.rigs().map(range_rig),
+            occupancy: all.scenario.occupancy(),
         }
     }
 }
@@ -134,19 +162,30 @@ impl StageSettings for StatisticsSettings {
             name: all.name.clone(),
             card: all.card.clone(),
             seed: all.seed,
-            rigs: all.rigs(),
+            rigs: all.scenario.rigs(),
             annotation: all.annotation.clone(),
             bev: all.bev.clone(),
-            occupancy: all.occupancy(),
+            occupancy: all.scenario.occupancy(),
+            groups: all.groups.iter().filter_map(|group| statistics_of_group(all, group)).collect(),
+            older: Vec::new(),
         }
+    }
+
+    fn of_dataset(editions: &Editions) -> Self {
+        let older = editions.all().split_last().map_or(&[][..], |(_, older)| older);
+        Self { older: older.iter().map(Self::of).collect(), ..Self::of(editions.newest()) }
     }
 }
 
+fn statistics_of_group(all: &DatasetSettings, group: &Group) -> Option<(String, StatisticsSettings)> {
+    Some((group.name.clone(), StatisticsSettings::of(&all.of_group(&group.name)?)))
+}
+
 /// A stage and the bytes of what it sees.
-type View = (&'static str, fn(&DatasetSettings) -> serde_json::Result<Vec<u8>>);
+type View = (&'static str, fn(&Editions, Scope) -> serde_json::Result<Vec<u8>>);
 
 const fn view<S: StageSettings>() -> View {
-    (S::STAGE, |all| serde_json::to_vec(&S::of(all)))
+    (S::STAGE, |editions, scope| serde_json::to_vec(&S::of_scope(editions, scope)))
 }
 
 /// What each stage sees. A stage that is missing here cannot be run: [`config_hash`] says so.
@@ -181,14 +220,15 @@ pub enum ViewError {
     },
 }
 
-/// Digest of what a stage sees of a configuration.
+/// Digest of what a stage sees of the configuration for a scope.
 ///
 /// # Errors
 /// Nothing is said of the stage, or its view cannot be written down: both are bugs.
-pub fn config_hash(spec: &StageSpec, settings: &DatasetSettings) -> Result<String, ViewError> {
+pub fn config_hash(spec: &StageSpec, editions: &Editions, scope: Scope) -> Result<String, ViewError> {
     let stage = spec.name;
     let (_, bytes) = VIEWS.iter().find(|(name, _)| *name == stage).ok_or(ViewError::Unknown { stage })?;
-    Ok(store::hash_bytes(&bytes(settings).map_err(|source| ViewError::Json { stage, source })?))
+    let bytes = bytes(editions, scope).map_err(|source| ViewError::Json { stage, source })?;
+    Ok(store::hash_bytes(&bytes))
 }
 
 /// Default settings with one scene, for tests.
@@ -204,14 +244,14 @@ mod tests {
     use settings::{BevRule, OwnRig, RollingScan, WeatherSpec};
 
     use super::*;
-    use crate::graph::Graph;
+    use crate::graph::{Graph, UnitKind};
 
     fn base() -> DatasetSettings {
         let mut base = example_settings();
-        base.own_rigs.push(OwnRig {
+        base.scenario.own_rigs.push(OwnRig {
             agents: vec!["vehicle_1".into()],
-            rig: base.vehicle_rig.clone(),
-            occupancy: base.vehicle_occupancy.clone(),
+            rig: base.scenario.vehicle_rig.clone(),
+            occupancy: base.scenario.vehicle_occupancy.clone(),
         });
         base
     }
@@ -220,7 +260,14 @@ mod tests {
     fn stale(change: fn(&mut DatasetSettings)) -> Vec<&'static str> {
         let (before, mut after) = (base(), base());
         change(&mut after);
-        let hash = |spec: &StageSpec, settings| config_hash(spec, settings).expect("every stage has a view");
+        let hash = |spec: &StageSpec, settings: &DatasetSettings| {
+            let scope = match spec.unit {
+                UnitKind::Plan => Scope::Plan,
+                UnitKind::Scene => Scope::Scene(0),
+                UnitKind::Stats => Scope::Stats,
+            };
+            config_hash(spec, &Editions::only(settings), scope).expect("every stage has a view")
+        };
         let stages = Graph::get().stages.iter();
         stages.filter(|s| hash(s, &before) != hash(s, &after)).map(|s| s.name).collect()
     }
@@ -228,39 +275,42 @@ mod tests {
     #[test]
     fn just_the_stages_that_see_a_key_become_stale() {
         let rendered = ["render-sensors", "stats"];
-        assert_eq!(stale(|s| s.vehicle_rig.lidars[0].noise_m = 0.5), rendered);
-        assert_eq!(stale(|s| s.own_rigs[0].rig.lidars[0].noise_m = 0.5), rendered);
-        assert_eq!(stale(|s| s.rsu_rig.camera.jpeg_quality = 17), rendered);
+        assert_eq!(stale(|s| s.scenario.vehicle_rig.lidars[0].noise_m = 0.5), rendered);
+        assert_eq!(stale(|s| s.scenario.own_rigs[0].rig.lidars[0].noise_m = 0.5), rendered);
+        assert_eq!(stale(|s| s.scenario.rsu_rig.camera.jpeg_quality = 17), rendered);
         let rolls = |s: &mut DatasetSettings| {
-            s.vehicle_rig.lidars[0].rolling = Some(RollingScan { slices: 8, compensated: true });
+            s.scenario.vehicle_rig.lidars[0].rolling = Some(RollingScan { slices: 8, compensated: true });
         };
         assert_eq!(stale(rolls), rendered);
         let judged = ["render-sensors", "postprocess-valid", "stats"];
-        assert_eq!(stale(|s| s.rsu_rig.lidars[0].weather = Some(WeatherSpec { detected: 0.1 })), judged);
-        assert_eq!(stale(|s| s.rsu_rig.camera.images = ImageSet::NONE), judged);
-        assert_eq!(stale(|s| s.rsu_rig.camera.images.set(ImageKind::Flow, true)), rendered);
-        assert_eq!(stale(|s| s.rsu_rig.camera.flow_half = true), rendered);
+        assert_eq!(
+            stale(|s| s.scenario.rsu_rig.lidars[0].weather = Some(WeatherSpec { detected: 0.1 })),
+            judged
+        );
+        assert_eq!(stale(|s| s.scenario.rsu_rig.camera.images = ImageSet::NONE), judged);
+        assert_eq!(stale(|s| s.scenario.rsu_rig.camera.images.set(ImageKind::Flow, true)), rendered);
+        assert_eq!(stale(|s| s.scenario.rsu_rig.camera.flow_half = true), rendered);
         let voxels = ["occupancy-gt", "postprocess-valid", "stats"];
-        assert_eq!(stale(|s| s.own_rigs[0].occupancy.voxel_m = 0.5), voxels);
-        assert_eq!(stale(|s| s.vehicle_occupancy.range_m = 32.0), voxels);
-        assert_eq!(stale(|s| s.rsu_occupancy.observed = true), ["postprocess-valid", "stats"]);
+        assert_eq!(stale(|s| s.scenario.own_rigs[0].occupancy.voxel_m = 0.5), voxels);
+        assert_eq!(stale(|s| s.scenario.vehicle_occupancy.range_m = 32.0), voxels);
+        assert_eq!(stale(|s| s.scenario.rsu_occupancy.observed = true), ["postprocess-valid", "stats"]);
         assert_eq!(stale(|s| s.bev.cells = 200), ["bev-gt", "stats"]);
         assert_eq!(stale(|s| s.bev.cell_m = 0.2), ["bev-gt", "stats"]);
         assert_eq!(stale(|s| s.tracks.future_s = 3.0), ["merge-tracks"]);
         assert_eq!(stale(|s| s.bev.rule = BevRule::Simbev2x), ["bev-gt", "stats"]);
-        assert_eq!(stale(|s| s.timing.warmup_s = 3.0), ["spawn-planner", "bev-gt"]);
+        assert_eq!(stale(|s| s.scenario.timing.warmup_s = 3.0), ["spawn-planner", "bev-gt"]);
         assert_eq!(stale(|s| s.name = "other".into()), ["stats"]);
         assert_eq!(stale(|s| s.card.licence = "CC-BY-4.0".into()), ["stats"]);
         assert_eq!(stale(|s| s.annotation.valid_by_image ^= true), ["postprocess-valid", "stats"]);
         assert_eq!(stale(|s| s.annotation.box_radius_m = 90.0), ["simulate-and-log", "stats"]);
         assert_eq!(stale(|s| s.annotation.every_n_frames = 10), ["simulate-and-log", "stats"]);
-        assert_eq!(stale(|s| s.rsu_rig.camera.every_n_frames = 10), rendered);
-        assert_eq!(stale(|s| s.rsu_rig.lidars[0].every_n_frames = 2), judged);
-        assert_eq!(stale(|s| s.rsu_occupancy.every_n_frames = 10), voxels);
+        assert_eq!(stale(|s| s.scenario.rsu_rig.camera.every_n_frames = 10), rendered);
+        assert_eq!(stale(|s| s.scenario.rsu_rig.lidars[0].every_n_frames = 2), judged);
+        assert_eq!(stale(|s| s.scenario.rsu_occupancy.every_n_frames = 10), voxels);
         assert_eq!(stale(|s| s.bev.every_n_frames = 10), ["bev-gt", "stats"]);
         assert_eq!(stale(|s| s.world.radius_m = 90.0), ["simulate-and-log"]);
-        assert_eq!(stale(|s| s.timing.max_duration_s = 9.0), ["spawn-planner"]);
+        assert_eq!(stale(|s| s.scenario.timing.max_duration_s = 9.0), ["spawn-planner"]);
         assert_eq!(stale(|s| s.seed = 3), ["spawn-planner", "render-sensors", "stats"]);
-        assert_eq!(stale(|s| s.traffic.door_open = 0.5), ["spawn-planner", "simulate-and-log"]);
+        assert_eq!(stale(|s| s.scenario.traffic.door_open = 0.5), ["spawn-planner", "simulate-and-log"]);
     }
 }

@@ -24,15 +24,18 @@ fn keys_of_a_configuration_go_before_those_of_a_rig_file() {
     let config = "[vehicle]\nrig = \"rigs/x.toml\"\nradars = []\n[vehicle.camera]\nheight = 360\n\
                   [[rigs]]\nagents = [\"rsu_0\"]\nrig = \"rigs/x.toml\"\ncameras = []\n";
     let settings = with_rig(config, rig).expect("is good");
-    let cameras = &settings.vehicle_rig.cameras;
+    let cameras = &settings.scenario.vehicle_rig.cameras;
     assert_eq!(cameras.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["A", "B"]);
     assert_eq!(cameras[0].optics, Optics::pinhole(640, 360, frames::deg(80.0)));
     let Optics { width, height, fx, fy, cx, cy, .. } = cameras[1].optics;
     assert_eq!((width, height, [fx, fy, cx, cy]), (640, 360, [500.0, 500.0, 300.0, 180.0]));
-    assert_eq!((settings.vehicle_rig.camera.every_n_frames, settings.vehicle_rig.radars.len()), (4, 0));
-    assert_eq!(settings.vehicle_rig.lidars[0].scan.channels, 16);
-    assert!(!settings.vehicle_occupancy.enabled && settings.rsu_occupancy.enabled);
-    let own = &settings.own_rigs[0];
+    assert_eq!(
+        (settings.scenario.vehicle_rig.camera.every_n_frames, settings.scenario.vehicle_rig.radars.len()),
+        (4, 0)
+    );
+    assert_eq!(settings.scenario.vehicle_rig.lidars[0].scan.channels, 16);
+    assert!(!settings.scenario.vehicle_occupancy.enabled && settings.scenario.rsu_occupancy.enabled);
+    let own = &settings.scenario.own_rigs[0];
     assert_eq!((own.rig.cameras.len(), own.rig.lidars[0].scan.channels), (0, 16));
     assert_eq!(own.rig.radars.len(), 1, "an RSU's, which nobody named");
     // What is read is what counts: the same keys without a file are the same settings.
@@ -46,22 +49,22 @@ fn keys_of_a_configuration_go_before_those_of_a_rig_file() {
     );
     let plain = with_rig(&plain, "").expect("is good");
     assert_eq!(
-        (plain.vehicle_rig, plain.vehicle_occupancy),
-        (settings.vehicle_rig, settings.vehicle_occupancy)
+        (plain.scenario.vehicle_rig, plain.scenario.vehicle_occupancy),
+        (settings.scenario.vehicle_rig, settings.scenario.vehicle_occupancy)
     );
 }
 
 #[test]
 fn lenses_are_read_as_opencv_orders_them() {
     let with = |camera: &str| with_rig(&format!("[[vehicle.cameras]]\nname = \"A\"\n{camera}\n"), "");
-    let lens = |camera: &str| with(camera).expect("is good").vehicle_rig.cameras[0].optics.lens;
+    let lens = |camera: &str| with(camera).expect("is good").scenario.vehicle_rig.cameras[0].optics.lens;
     assert_eq!(
         lens("lens = \"brown\"\ndistortion = [-0.3, 0.1, 1e-3, 2e-3, -0.01]"),
         Lens::Brown { k: [-0.3, 0.1, -0.01], p: [1e-3, 2e-3] }
     );
     assert_eq!(lens("lens = \"brown\""), Lens::Brown { k: [0.0; 3], p: [0.0; 2] });
     let wide = with("lens = \"fisheye\"\nfov_deg = 190\nwidth = 1000").expect("is good");
-    let optics = &wide.vehicle_rig.cameras[0].optics;
+    let optics = &wide.scenario.vehicle_rig.cameras[0].optics;
     // Equidistant: half of the picture is half of the angle.
     assert!((optics.fx - 500.0 / frames::deg(95.0)).abs() < 1e-9 && optics.fy == optics.fx, "{optics:?}");
     for (camera, fault) in [
@@ -106,12 +109,15 @@ fn the_shipped_rigs_are_read() {
     let usual = example_settings();
     let published = of("simbev2x-vehicle");
     assert_eq!(
-        (published.vehicle_rig, published.vehicle_occupancy),
-        (usual.vehicle_rig, usual.vehicle_occupancy)
+        (published.scenario.vehicle_rig, published.scenario.vehicle_occupancy),
+        (usual.scenario.vehicle_rig, usual.scenario.vehicle_occupancy)
     );
     let published = of("simbev2x-rsu");
-    assert_eq!((published.rsu_rig, published.rsu_occupancy), (usual.rsu_rig, usual.rsu_occupancy));
-    let opv2v = of("opv2v").vehicle_rig;
+    assert_eq!(
+        (published.scenario.rsu_rig, published.scenario.rsu_occupancy),
+        (usual.scenario.rsu_rig, usual.scenario.rsu_occupancy)
+    );
+    let opv2v = of("opv2v").scenario.vehicle_rig;
     // 800 / (2 tan 50 degrees), as OPV2V's files have it.
     assert!(opv2v.cameras.iter().all(|c| (c.optics.fx - 335.64).abs() < 0.01 && c.optics.height == 600));
     assert_eq!((opv2v.cameras.len(), opv2v.radars.len(), opv2v.lidars[0].every_n_frames), (4, 0, 2));
@@ -128,7 +134,7 @@ fn the_shipped_rigs_are_read() {
     assert_eq!((lidar.mount.xyz_m, lidar.scan.channels, lidar.range_m), ([-0.5, 0.0, 1.9], 64, 120.0));
     assert_eq!((scan_deg, opv2v.camera.images.has(ImageKind::Instance)), ([2.0, -25.0], true));
     // The RSU's look down, with the nose 35 degrees below the horizon.
-    let rsu = of("opv2v-rsu").rsu_rig;
+    let rsu = of("opv2v-rsu").scenario.rsu_rig;
     assert_eq!((rsu.cameras.len(), rsu.radars.len(), &rsu.lidars[0].scan), (4, 0, &lidar.scan));
     for (camera, yaw_deg) in rsu.cameras.iter().zip(yaws_deg) {
         let [roll, pitch, yaw] = camera.mount.rpy_rad.map(frames::to_deg);
@@ -136,19 +142,19 @@ fn the_shipped_rigs_are_read() {
         assert_eq!((&camera.optics, camera.mount.xyz_m[2]), (&opv2v.cameras[0].optics, 3.0));
     }
     let nuscenes = of("nuscenes");
-    let Rig { cameras, radars, lidars, .. } = &nuscenes.vehicle_rig;
+    let Rig { cameras, radars, lidars, .. } = &nuscenes.scenario.vehicle_rig;
     assert_eq!(
         (cameras.len(), radars.len(), lidars[0].scan.channels, lidars[0].every_n_frames),
         (6, 5, 32, 1)
     );
-    assert!(cameras.iter().all(|c| c.optics.cx != 800.0) && !nuscenes.vehicle_occupancy.enabled);
+    assert!(cameras.iter().all(|c| c.optics.cx != 800.0) && !nuscenes.scenario.vehicle_occupancy.enabled);
 }
 
 #[test]
 fn a_lidar_sweeps_whenever_there_is_a_grid_of_what_was_seen() {
     let with = |lidars: &str, every: u32| {
         let grid = format!("[vehicle.occupancy]\nobserved = true\nevery_n_frames = {every}\n");
-        with_rig(&format!("{grid}{lidars}"), "").map(|all| all.vehicle_occupancy.every_n_frames)
+        with_rig(&format!("{grid}{lidars}"), "").map(|all| all.scenario.vehicle_occupancy.every_n_frames)
     };
     let at = |every: u32| format!("[vehicle.lidar]\nevery_n_frames = {every}\n");
     assert_eq!(with(&at(2), 4), Ok(4));

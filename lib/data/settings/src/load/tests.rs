@@ -14,11 +14,11 @@ fn faults(text: &str) -> String {
 #[test]
 fn defaults_are_the_published_ones() {
     let s = example_settings();
-    assert_eq!(s.agents, crate::AgentSettings::default());
-    assert_eq!(s.vehicle_rig, crate::Rig::vehicle());
-    assert_eq!(s.rsu_rig, crate::Rig::rsu());
-    assert_eq!(s.vehicle_occupancy, crate::OccupancySettings::default());
-    assert_eq!(s.weather, crate::WeatherSettings::default());
+    assert_eq!(s.scenario.agents, crate::AgentSettings::default());
+    assert_eq!(s.scenario.vehicle_rig, crate::Rig::vehicle());
+    assert_eq!(s.scenario.rsu_rig, crate::Rig::rsu());
+    assert_eq!(s.scenario.vehicle_occupancy, crate::OccupancySettings::default());
+    assert_eq!(s.scenario.weather, crate::WeatherSettings::default());
 }
 
 #[test]
@@ -42,7 +42,7 @@ fn broken_toml_is_reported_with_its_line() {
 #[test]
 fn what_lidars_saw_needs_a_lidar() {
     let grid = "[scenes.train]\nTown01 = 1\n[rsu.occupancy]\nobserved = true\n";
-    assert!(parse(grid, "a.toml").is_ok_and(|all| all.rsu_occupancy.observed));
+    assert!(parse(grid, "a.toml").is_ok_and(|all| all.scenario.rsu_occupancy.observed));
     let found = faults(&format!("{grid}[rsu.lidar]\nenabled = false\nsemantic = true\n"));
     assert_eq!(found, "bad.toml:4: `rsu.occupancy.observed` needs a lidar without labels\n");
 }
@@ -56,13 +56,13 @@ fn a_dataset_without_scenes_is_a_fault() {
 fn an_agent_may_carry_several_lidars_and_rsus_receivers() {
     let text = "[scenes.train]\n\"convoy/demo\" = 1\n[vehicle.lidar]\nchannels = 16\n[[vehicle.lidars]]\nname = \"LIDAR_LEFT\"\nchannels = 8\nxyz_m = [0, 1, 1]\n[[vehicle.lidars]]\nname = \"OWN\"\nenabled = false\nsemantic = true\nrange_m = 50\n[rsu.gnss]\nenabled = true\n";
     let settings = parse(text, "lidars.toml").expect("is good");
-    let lidars = &settings.vehicle_rig.lidars;
+    let lidars = &settings.scenario.vehicle_rig.lidars;
     let about: Vec<_> =
         lidars.iter().map(|l| (l.name.as_str(), l.scan.channels, l.range_m, l.noise_m)).collect();
     let want = [("LIDAR", 16, 120.0, 0.03), ("LIDAR_LEFT", 8, 120.0, 0.03), ("SEG-OWN", 128, 50.0, 0.0)];
     assert_eq!(about, want);
     assert_eq!(lidars[1].mount.xyz_m, [0.0, 1.0, 1.0]);
-    assert!(settings.rsu_rig.gnss.is_some() && settings.rsu_rig.imu.is_none());
+    assert!(settings.scenario.rsu_rig.gnss.is_some() && settings.scenario.rsu_rig.imu.is_none());
     let clash = text.replace("\"OWN\"", "\"LIDAR\"");
     let faults = parse(&clash, "lidars.toml").expect_err("has the first one's tables");
     assert!(
@@ -78,11 +78,11 @@ fn a_lidars_scan_beams_and_weather_are_read_and_checked() {
         let text = format!("[scenes.train]\n\"convoy/demo\" = 1\n[vehicle.lidar]\nsemantic = true\n{keys}");
         parse(&text, "scan.toml").map_err(|f| f.iter().map(Fault::to_string).collect::<Vec<_>>())
     };
-    let lidars = with("").expect("is good").vehicle_rig.lidars;
+    let lidars = with("").expect("is good").scenario.vehicle_rig.lidars;
     assert_eq!((&lidars[0].beam, &lidars[0].rolling), (&LidarSpec::vehicle().beam, &None));
     let keys = "rolling = true\nrolling_slices = 32\nrolling_compensated = false\nbeam_rays = 7\n\
                 beam_divergence_mrad = 2\nreturns = [\"last\", \"first\"]\nweather = true\nweather_detected = 0.2\n";
-    let lidars = with(keys).expect("is good").vehicle_rig.lidars;
+    let lidars = with(keys).expect("is good").scenario.vehicle_rig.lidars;
     let [plain, semantic] = lidars.as_slice() else { panic!("{lidars:?}") };
     assert_eq!(plain.rolling, Some(RollingScan { slices: 32, compensated: false }));
     let returned = Returned { first: true, strongest: false, last: true };
@@ -102,7 +102,7 @@ fn a_lidars_scan_beams_and_weather_are_read_and_checked() {
         assert!(faults.len() == 1 && faults[0].contains(fault), "{faults:?}");
     }
     assert!(with("returns = [\"last\"]\nweather = true").is_ok());
-    let through = with("returns = [\"last\"]\nglass = true").expect("is good").vehicle_rig.lidars;
+    let through = with("returns = [\"last\"]\nglass = true").expect("is good").scenario.vehicle_rig.lidars;
     assert!(through.iter().all(|lidar| lidar.glass && lidar.tells_returns()));
 }
 
@@ -181,12 +181,16 @@ fn agents_can_carry_rigs_of_their_own() {
                 [[rigs.cameras]]\nname = \"CAM_ROOF\"\n[rigs.occupancy]\nenabled = false\n\
                 [[rigs]]\nagents = [\"rsu_0\"]\n[rigs.radar]\nenabled = false\n";
     let s = parse(text, "x.toml").expect("is valid");
-    let channels = |i| s.rigs().of(AgentId::vehicle(i)).lidars[0].scan.channels;
+    let channels = |i| s.scenario.rigs().of(AgentId::vehicle(i)).lidars[0].scan.channels;
     assert_eq!([channels(0), channels(1), channels(2), channels(3)], [64, 16, 64, 16]);
-    assert_eq!(s.rigs().of(AgentId::vehicle(1)).cameras.len(), 1);
-    assert!(!s.occupancy().of(AgentId::vehicle(3)).enabled && s.occupancy().of(AgentId::vehicle(0)).enabled);
+    assert_eq!(s.scenario.rigs().of(AgentId::vehicle(1)).cameras.len(), 1);
     assert!(
-        s.rigs().of(AgentId::rsu(0)).radars.is_empty() && !s.rigs().of(AgentId::rsu(1)).radars.is_empty()
+        !s.scenario.occupancy().of(AgentId::vehicle(3)).enabled
+            && s.scenario.occupancy().of(AgentId::vehicle(0)).enabled
+    );
+    assert!(
+        s.scenario.rigs().of(AgentId::rsu(0)).radars.is_empty()
+            && !s.scenario.rigs().of(AgentId::rsu(1)).radars.is_empty()
     );
     let text = "[scenes.train]\n\"convoy/demo\" = 1\n[[rigs]]\n\
                 [[rigs]]\nagents = [\"vehicle_1\", \"rsu_0\"]\n\
@@ -220,14 +224,14 @@ fn a_share_of_vehicles_needs_their_number() {
     let text = "[scenes.train]\n\"convoy/demo\" = 1\n[agents]\npenetration = 0.2\n";
     assert!(faults(text).starts_with("bad.toml:3: `agents.penetration` is a share"), "{}", faults(text));
     let s = parse(&format!("{text}[traffic]\nvehicles = 50\n"), "x.toml").expect("is valid");
-    assert_eq!((s.agents.penetration, s.traffic.vehicles), (Some(0.2), Some(50)));
+    assert_eq!((s.scenario.agents.penetration, s.scenario.traffic.vehicles), (Some(0.2), Some(50)));
 }
 
 #[test]
 fn starts_are_read() {
     let text = "[scenes.train]\n\"convoy/demo\" = 1\n\
                 [[agents.starts]]\nmap = \"convoy/demo\"\nxyz_m = [1, 2.5, 0]\nyaw_deg = 180\n";
-    let starts = parse(text, "x.toml").expect("is valid").agents.starts;
+    let starts = parse(text, "x.toml").expect("is valid").scenario.agents.starts;
     assert_eq!((starts[0].map.as_str(), starts[0].xyz_m), ("convoy/demo", [1.0, 2.5, 0.0]));
     assert!((starts[0].yaw_rad - std::f64::consts::PI).abs() < 1e-12);
 }
@@ -277,26 +281,32 @@ ignore_signs_percentage: 0.5
     let scenes: Vec<_> = s.scenes.iter().map(|w| (w.split.name(), w.map.as_str(), w.count)).collect();
     assert_eq!(scenes, [("train", "Town01", 8), ("train", "convoy/02", 1), ("test", "Town12", 3)]);
     assert_eq!((s.redraw.clone(), s.seed), (vec![(4, 1), (7, 1)], 31));
-    assert_eq!((s.traffic.ignore_signs, s.traffic.ignore_lights), (0.005, 0.001));
-    assert_eq!((s.agents.min_vehicles, s.agents.max_vehicles), (2, 5));
-    assert_eq!(s.agents.vehicle_models, ["car.coupe", "car.coupe", "car.sedan"]);
-    assert_eq!(s.agents.vehicle_colors, [[0, 0, 0], [255, 0, 255]]);
-    assert_eq!((s.timing.max_duration_s, s.traffic.spawn_radius_m), (12.0, Some(450.0)));
-    assert_eq!((s.traffic.reckless_background, s.traffic.speed_difference), (0.05, Some(-0.1)));
-    assert_eq!((s.bev.cells, s.lights.street_lamp_failure), (200, 0.25));
+    assert_eq!((s.scenario.traffic.ignore_signs, s.scenario.traffic.ignore_lights), (0.005, 0.001));
+    assert_eq!((s.scenario.agents.min_vehicles, s.scenario.agents.max_vehicles), (2, 5));
+    assert_eq!(s.scenario.agents.vehicle_models, ["car.coupe", "car.coupe", "car.sedan"]);
+    assert_eq!(s.scenario.agents.vehicle_colors, [[0, 0, 0], [255, 0, 255]]);
+    assert_eq!((s.scenario.timing.max_duration_s, s.scenario.traffic.spawn_radius_m), (12.0, Some(450.0)));
+    assert_eq!(
+        (s.scenario.traffic.reckless_background, s.scenario.traffic.speed_difference),
+        (0.05, Some(-0.1))
+    );
+    assert_eq!((s.bev.cells, s.scenario.lights.street_lamp_failure), (200, 0.25));
     let weather = [("cloudiness".to_owned(), 12.5), ("sun_altitude_deg".to_owned(), -20.0)];
-    assert_eq!(s.weather.initial, weather);
-    let scan = &s.vehicle_rig.lidars[0].scan;
-    assert_eq!((scan.channels, scan.columns, s.vehicle_rig.lidars[0].noise_m), (64, 1024, 0.05));
-    assert!(s.rsu_rig.lidars.is_empty() && s.rsu_rig.radars.iter().all(|r| r.rays == 1200));
-    assert_eq!(s.rsu_rig.cameras[0].optics, Optics::pinhole(1600, 900, frames::deg(100.0)));
-    assert!(s.vehicle_occupancy.ignore_self && !s.rsu_occupancy.ignore_self);
-    assert!(!s.vehicle_occupancy.full_sweep && s.rsu_occupancy.full_sweep);
-    let sweeps = &s.vehicle_occupancy.sweeps;
+    assert_eq!(s.scenario.weather.initial, weather);
+    let scan = &s.scenario.vehicle_rig.lidars[0].scan;
+    assert_eq!((scan.channels, scan.columns, s.scenario.vehicle_rig.lidars[0].noise_m), (64, 1024, 0.05));
+    assert!(s.scenario.rsu_rig.lidars.is_empty() && s.scenario.rsu_rig.radars.iter().all(|r| r.rays == 1200));
+    assert_eq!(s.scenario.rsu_rig.cameras[0].optics, Optics::pinhole(1600, 900, frames::deg(100.0)));
+    assert!(s.scenario.vehicle_occupancy.ignore_self && !s.scenario.rsu_occupancy.ignore_self);
+    assert!(!s.scenario.vehicle_occupancy.full_sweep && s.scenario.rsu_occupancy.full_sweep);
+    let sweeps = &s.scenario.vehicle_occupancy.sweeps;
     assert_eq!((sweeps.z_top, sweeps.x_back, sweeps.x_front), (true, true, false));
     assert_eq!(sweeps.z_fill, ZFill::BoxSweep);
-    assert_eq!((s.agents.starts[0].xyz_m, s.agents.starts[0].map.as_str()), ([10.0, -20.0, 0.5], "Town01"));
-    assert!((s.agents.starts[0].yaw_rad + std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    assert_eq!(
+        (s.scenario.agents.starts[0].xyz_m, s.scenario.agents.starts[0].map.as_str()),
+        ([10.0, -20.0, 0.5], "Town01")
+    );
+    assert!((s.scenario.agents.starts[0].yaw_rad + std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     let said: String = warnings.iter().map(|w| format!("{w}\n")).collect();
     insta::assert_snapshot!(said, @r"
     x.yaml:1: `mode`: the scenes of `replacement_scene_config` become their first other draw; for further ones set [scenes.redraw] in a TOML configuration, as another `random_seed_offset` draws all scenes anew
@@ -334,7 +344,7 @@ fn switches_in_yaml_bring_the_defaults_they_switch_to() {
         let text = format!("train_scene_config: {{convoy/demo: 1}}\n{keys}\n");
         let (s, warnings) = parse_yaml(&text, "x.yaml").expect("is valid");
         assert!(warnings.is_empty(), "{warnings:?}");
-        (s.traffic.spawn_radius_m, s.lights.street_lamp_failure)
+        (s.scenario.traffic.spawn_radius_m, s.scenario.lights.street_lamp_failure)
     };
     assert_eq!(with("npc_spawn_radius: 450"), (None, 0.1));
     assert_eq!(with("dynamic_settings_adjustments: True\nnpc_spawn_radius: 450"), (None, 0.1));
@@ -348,7 +358,7 @@ fn switches_in_yaml_bring_the_defaults_they_switch_to() {
         let text = format!(
             "train_scene_config: {{convoy/demo: 1}}\ndynamic_settings_adjustments: {adjusted}\nactor_active_distance: 800\n"
         );
-        parse_yaml(&text, "x.yaml").expect("is valid").0.traffic.active_distance_m
+        parse_yaml(&text, "x.yaml").expect("is valid").0.scenario.traffic.active_distance_m
     };
     assert_eq!([awake("True"), awake("False")], [1600.0, 800.0]);
     let collected = |adjusted: &str| {
@@ -389,11 +399,14 @@ fn sensors_can_be_moved_added_and_switched_off() {
                 [rsu.radar]\nenabled = false\n[rsu.camera]\nenabled = false\n[vehicle.gnss]\nenabled = false\n\
                 [[vehicle.cameras]]\nname = \"CAM_ROOF\"\nxyz_m = [0, 0, 2.5]\nrpy_deg = [0, 15, 180]\n";
     let s = parse(text, "x.toml").expect("is valid");
-    let names: Vec<&str> = s.vehicle_rig.lidars.iter().map(|l| l.name.as_str()).collect();
+    let names: Vec<&str> = s.scenario.vehicle_rig.lidars.iter().map(|l| l.name.as_str()).collect();
     assert_eq!(names, ["LIDAR", "SEG-LIDAR"]);
-    assert_eq!(s.vehicle_rig.lidars[0].scan.channels, 32);
-    assert_eq!(s.vehicle_rig.cameras.len(), 1);
-    assert!((s.vehicle_rig.cameras[0].mount.rpy_rad[2] - std::f64::consts::PI).abs() < 1e-12);
-    assert!(s.rsu_rig.radars.is_empty() && s.vehicle_rig.gnss.is_none());
-    assert!(s.rsu_rig.cameras.is_empty() && !DatasetSettings::default().rsu_rig.cameras.is_empty());
+    assert_eq!(s.scenario.vehicle_rig.lidars[0].scan.channels, 32);
+    assert_eq!(s.scenario.vehicle_rig.cameras.len(), 1);
+    assert!((s.scenario.vehicle_rig.cameras[0].mount.rpy_rad[2] - std::f64::consts::PI).abs() < 1e-12);
+    assert!(s.scenario.rsu_rig.radars.is_empty() && s.scenario.vehicle_rig.gnss.is_none());
+    assert!(
+        s.scenario.rsu_rig.cameras.is_empty()
+            && !DatasetSettings::default().scenario.rsu_rig.cameras.is_empty()
+    );
 }

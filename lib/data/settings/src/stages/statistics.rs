@@ -21,4 +21,10 @@ pub struct StatisticsSettings {
     pub bev: BevSettings,
     /// Voxel grid of each agent.
     pub occupancy: PerAgent<OccupancySettings>,
+    /// The same of each group of scenes, by its name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub groups: Vec<(String, StatisticsSettings)>,
+    /// The same of older editions, by number.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub older: Vec<StatisticsSettings>,
 }

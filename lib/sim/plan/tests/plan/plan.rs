@@ -254,7 +254,8 @@ proptest! {
         settings.agents.max_vehicles = count;
         let map = PlanMap { map: straight(length, LaneType::Driving), hash: String::new() };
         let pool = SpawnPool::new(&map.map, 24.0);
-        let slot = SceneSlot { scene: 5, split: Split::Val, map: "road".into(), draw: 0 };
+        let slot =
+            SceneSlot { scene: 5, split: Split::Val, map: "road".into(), draw: 0, edition: 0, group: String::new() };
         let planned = plan_scene(&settings, &slot, &map, &pool, Catalogue::built_in()).expect("a scene");
         let at = positions(&planned);
         prop_assert!(!at.is_empty() && at.len() <= count as usize);

@@ -8,6 +8,9 @@ use indicatif::{DecimalBytes, HumanCount};
 use schema::tables::{PlanAgentRow, PlanSceneRow};
 use schema::{AgentId, AgentKind, ImageKind};
 use settings::{BevSettings, DatasetSettings, Lens, Rig, Split};
+use store::{Scope, kind_names};
+
+use crate::editions::Editions;
 
 /// Bytes as stored, measured on four datasets of 240 agent-frames each (the demo town and three of CARLA's).
 /// Busy places take more: good within a factor of two.
@@ -101,12 +104,12 @@ struct Forecast {
 }
 
 impl Forecast {
-    fn of(settings: &DatasetSettings, plan: &Planned<'_>) -> Self {
+    fn of(editions: &Editions, plan: &Planned<'_>) -> Self {
         let frames: BTreeMap<u32, u64> = plan.scenes.iter().map(|s| (s.scene, u64::from(s.frames))).collect();
         let mut forecast = Self::default();
         for agent in plan.agents {
             let Some(frames) = frames.get(&agent.scene) else { continue };
-            forecast.add(settings, agent.agent, *frames);
+            forecast.add(editions.of(Scope::Scene(agent.scene)), agent.agent, *frames);
         }
         forecast
     }
@@ -118,7 +121,7 @@ impl Forecast {
         self.work(SIMULATION, frames, core_seconds::SIMULATED);
         self.work(VALIDITY, annotated, core_seconds::JUDGED);
         self.work(TRACKS, annotated, core_seconds::TRACKED);
-        let rigs = settings.rigs();
+        let rigs = settings.scenario.rigs();
         let rig = rigs.of(agent);
         self.work(SENSORS, frames_looked_at(rig, frames), core_seconds::WORLD);
         self.cameras(rig, due(frames, rig.camera.every_n_frames));
@@ -138,7 +141,7 @@ impl Forecast {
                 self.output(MASKS, name, masks, cells * bytes);
             }
         }
-        let grids = settings.occupancy();
+        let grids = settings.scenario.occupancy();
         let occupancy = grids.of(agent);
         if occupancy.enabled {
             let [x, y, z] = occupancy.shape().map(|n| n as f64);
@@ -212,6 +215,22 @@ impl Forecast {
     }
 }
 
+/// How many scenes each edition and group has, where there are several.
+fn kinds(editions: &Editions, plan: &Planned<'_>) -> Vec<String> {
+    let kinds = plan.scenes.iter().map(|scene| (scene.scene, editions.kind_of(scene.scene)));
+    let names = kind_names(&kinds.collect());
+    let mut counts: BTreeMap<&str, (usize, u64)> = BTreeMap::new();
+    for scene in plan.scenes {
+        let Some(name) = names.get(&scene.scene) else { continue };
+        let (scenes, frames) = counts.entry(name).or_default();
+        (*scenes, *frames) = (*scenes + 1, *frames + u64::from(scene.frames));
+    }
+    let line = |(name, (scenes, frames)): (&str, (usize, u64))| {
+        format!("  {name}: {scenes} scenes, {} frames", HumanCount(frames))
+    };
+    counts.into_iter().map(line).collect()
+}
+
 /// The work of each stage on an agent's frames, by the stage's name.
 #[must_use]
 pub fn work_by_stage(
@@ -247,8 +266,8 @@ fn size(bytes: f64) -> DecimalBytes {
 
 /// What to expect of a plan, line by line; `cores` are those of this machine.
 #[must_use]
-pub fn lines(settings: &DatasetSettings, plan: &Planned<'_>, cores: usize) -> Vec<String> {
-    let forecast = Forecast::of(settings, plan);
+pub fn lines(editions: &Editions, plan: &Planned<'_>, cores: usize) -> Vec<String> {
+    let forecast = Forecast::of(editions, plan);
     let maps = plan.scenes.iter().map(|s| &s.map).collect::<BTreeSet<_>>().len();
     let of_split = |split: Split| {
         let count = plan.scenes.iter().filter(|s| s.split == split.name()).count();
@@ -272,6 +291,7 @@ pub fn lines(settings: &DatasetSettings, plan: &Planned<'_>, cores: usize) -> Ve
             HumanCount(rsus)
         ),
     ];
+    lines.extend(kinds(editions, plan));
     let total: f64 = forecast.outputs.values().map(|share| share.bytes).sum();
     for (name, share) in &forecast.outputs {
         // No `comfy-table`: the names are known, so one format string does what three crates would.
@@ -332,7 +352,7 @@ mod tests {
 
     #[test]
     fn frames_and_images_are_exact() {
-        let forecast = Forecast::of(&settings(), &plan().rows());
+        let forecast = Forecast::of(&Editions::only(&settings()), &plan().rows());
         assert_eq!(forecast.agent_frames, [800, 400]);
         let count = |name| forecast.outputs.get(name).map_or(0, |share: &Share| share.count);
         // Six cameras a vehicle, three an RSU; four radars and one.
@@ -349,10 +369,13 @@ mod tests {
         // Of 200 frames 20 and 67; of 400 frames 40 and 134.
         less.annotation.every_n_frames = 10;
         less.bev.every_n_frames = 10;
-        less.vehicle_rig.camera.every_n_frames = 10;
-        less.vehicle_rig.lidars[0].every_n_frames = 3;
-        less.rsu_occupancy.every_n_frames = 3;
-        let (all, some) = (Forecast::of(&settings(), &plan().rows()), Forecast::of(&less, &plan().rows()));
+        less.scenario.vehicle_rig.camera.every_n_frames = 10;
+        less.scenario.vehicle_rig.lidars[0].every_n_frames = 3;
+        less.scenario.rsu_occupancy.every_n_frames = 3;
+        let (all, some) = (
+            Forecast::of(&Editions::only(&settings()), &plan().rows()),
+            Forecast::of(&Editions::only(&less), &plan().rows()),
+        );
         let count = |name| some.outputs.get(name).map_or(0, |share: &Share| share.count);
         assert_eq!([count("boxes, log, tracks"), count("BEV masks")], [20 + 20 + 40 + 40; 2]);
         assert_eq!(count("RGB images"), 6 * (20 + 20 + 40) + 3 * 400);
@@ -366,10 +389,13 @@ mod tests {
     fn what_is_switched_off_costs_nothing() {
         let mut less = settings();
         less.bev.enabled = false;
-        less.vehicle_occupancy.enabled = false;
-        less.rsu_rig.lidars.clear();
-        less.vehicle_rig.camera.images.set(ImageKind::Rgb, false);
-        let (all, some) = (Forecast::of(&settings(), &plan().rows()), Forecast::of(&less, &plan().rows()));
+        less.scenario.vehicle_occupancy.enabled = false;
+        less.scenario.rsu_rig.lidars.clear();
+        less.scenario.vehicle_rig.camera.images.set(ImageKind::Rgb, false);
+        let (all, some) = (
+            Forecast::of(&Editions::only(&settings()), &plan().rows()),
+            Forecast::of(&Editions::only(&less), &plan().rows()),
+        );
         let count = |name| some.outputs.get(name).map_or(0, |share: &Share| share.count);
         assert_eq!([count("BEV masks"), count("voxel grids"), count("lidar sweeps")], [0, 800, 800]);
         assert_eq!([count("RGB images"), count("instance images")], [1200, 6000]);
@@ -379,15 +405,15 @@ mod tests {
     /// Core-seconds of one frame of a default vehicle, with nothing but what `keep` puts back.
     fn core_s(keep: impl Fn(&mut DatasetSettings)) -> f64 {
         let mut settings = settings();
-        settings.vehicle_rig.cameras.clear();
-        settings.vehicle_rig.lidars.clear();
-        settings.vehicle_rig.radars.clear();
+        settings.scenario.vehicle_rig.cameras.clear();
+        settings.scenario.vehicle_rig.lidars.clear();
+        settings.scenario.vehicle_rig.radars.clear();
         settings.bev.enabled = false;
-        settings.vehicle_occupancy.enabled = false;
+        settings.scenario.vehicle_occupancy.enabled = false;
         keep(&mut settings);
         let mut one = plan();
         one.agents.truncate(1);
-        Forecast::of(&settings, &one.rows()).core_s() / 200.0
+        Forecast::of(&Editions::only(&settings), &one.rows()).core_s() / 200.0
     }
 
     /// Core-seconds of a row of the table of docs/performance.md.
@@ -400,20 +426,21 @@ mod tests {
 
     #[test]
     fn rates_are_those_that_were_measured() {
-        let rig = settings().vehicle_rig;
+        let rig = settings().scenario.vehicle_rig;
         let nothing = core_s(|_| {});
         let expected = core_seconds::SIMULATED + core_seconds::JUDGED + core_seconds::TRACKED;
         assert!((nothing - expected).abs() < 1e-12);
         let cameras = |rgb, instance| {
             core_s(|s| {
-                s.vehicle_rig.cameras = rig.cameras.clone();
-                s.vehicle_rig.camera.images.set(ImageKind::Rgb, rgb);
-                s.vehicle_rig.camera.images.set(ImageKind::Instance, instance);
+                s.scenario.vehicle_rig.cameras = rig.cameras.clone();
+                s.scenario.vehicle_rig.camera.images.set(ImageKind::Rgb, rgb);
+                s.scenario.vehicle_rig.camera.images.set(ImageKind::Instance, instance);
             })
         };
         assert_eq!(cameras(false, false), nothing, "cameras without images");
         let rays = core_s(|s| {
-            (s.vehicle_rig.lidars, s.vehicle_rig.radars) = (rig.lidars.clone(), rig.radars.clone());
+            (s.scenario.vehicle_rig.lidars, s.scenario.vehicle_rig.radars) =
+                (rig.lidars.clone(), rig.radars.clone());
         });
         let pictures =
             measured_s("shading, 6 cameras") + measured_s("image encoding, RGB + instance, 6 cameras");
@@ -428,7 +455,7 @@ mod tests {
             ("camera visibility", cameras(false, true) - nothing - world, visibility),
             ("lidar and radars", rays - nothing - world, measured_s("lidar 262,144 rays + 4 radars")),
             ("BEV", core_s(|s| s.bev.enabled = true) - nothing - world, measured_s("BEV")),
-            ("voxels", core_s(|s| s.vehicle_occupancy.enabled = true) - nothing - world, voxels),
+            ("voxels", core_s(|s| s.scenario.vehicle_occupancy.enabled = true) - nothing - world, voxels),
         ];
         for (part, expected, measured) in parts {
             let ratio = expected / measured;
@@ -449,7 +476,7 @@ mod tests {
         });
         let scene = |scene| PlanSceneRow { scene, frames: 40, ..PlanSceneRow::default() };
         let plan = Plan { scenes: vec![scene(0), scene(1)], agents: agents.collect() };
-        let forecast = Forecast::of(&demo.expect("is valid"), &plan.rows());
+        let forecast = Forecast::of(&Editions::only(&demo.expect("is valid")), &plan.rows());
         let bytes: f64 = forecast.outputs.values().map(|share| share.bytes).sum();
         assert!((0.9..1.1).contains(&(bytes / 1.57e9)), "{bytes}");
     }
@@ -481,17 +508,17 @@ mod tests {
         ];
         for (is_tiny, rows) in [true, false].into_iter().zip(measured) {
             let mut settings = settings();
-            let grid = &mut settings.vehicle_occupancy;
+            let grid = &mut settings.scenario.vehicle_occupancy;
             (grid.sparse, grid.ids, grid.flow, grid.observed) = (true, true, true, true);
             (settings.bev.ids, settings.bev.heights, settings.bev.paint) = (true, true, true);
             if is_tiny {
                 grid.voxel_m = 0.5;
-                let scan = &mut settings.vehicle_rig.lidars[0].scan;
+                let scan = &mut settings.scenario.vehicle_rig.lidars[0].scan;
                 (scan.channels, scan.columns) = (16, 256);
             }
             let mut one = plan();
             one.agents.truncate(1);
-            let forecast = Forecast::of(&settings, &one.rows());
+            let forecast = Forecast::of(&Editions::only(&settings), &one.rows());
             for (name, bytes) in rows {
                 let Share { count, bytes: sum } = forecast.outputs[name];
                 let ratio = sum / count as f64 / bytes;
@@ -503,7 +530,7 @@ mod tests {
 
     #[test]
     fn lines_are_for_people() {
-        insta::assert_snapshot!(lines(&settings(), &plan().rows(), 4).join("\n"), @"
+        insta::assert_snapshot!(lines(&Editions::only(&settings()), &plan().rows(), 4).join("\n"), @"
         2 scenes (1 train, 0 val, 1 test) on 1 maps, 30 s, 600 frames
         1,200 agent-frames: 800 of vehicles, 400 of RSUs
           BEV masks                      1,200   15.36 MB

@@ -15,13 +15,14 @@ fn simulated(store: &Store, settings: &DatasetSettings) {
     let commit = |name: &str, scope: Scope| {
         let spec = Graph::get().stage(name).expect("is a stage");
         let programs = Programs::given(Some("c"), &[]);
-        let status = Status::new(store, settings, &programs);
+        let editions = Editions::only(settings);
+        let status = Status::new(store, &editions, &programs);
         let ready = status.inputs(spec, scope).expect("reads").expect("is ready");
         let identity = Identity {
             stage: name.into(),
             scope,
             code_version: crate::code_version(name).into(),
-            config_hash: config_hash(spec, settings).expect("is a view"),
+            config_hash: config_hash(spec, &editions, scope).expect("is a view"),
             inputs: ready.digests,
             made_by: None,
         };
@@ -43,8 +44,8 @@ fn run_of<'a>(
     Run {
         stage: Stage::new(run),
         spec: Graph::get().stage("bev-gt").expect("is a stage"),
-        view: MaskSettings::of(settings),
-        settings,
+        of_dataset: MaskSettings::of(settings),
+        editions: Editions::only(settings),
         programs: &COMMITTED,
         store: store.clone(),
         maps: None,
@@ -209,7 +210,8 @@ fn an_edited_program_makes_its_stage_again_and_leaves_others() {
     assert_eq!(states(&of_build(programs(None, "p"), |_| Ok(()))), done, "other files were edited");
     let edited = of_build(programs(None, "q"), |job| write(job, 20));
     assert_eq!(states(&edited), all_stale);
-    let status = Status::new(&store, &settings, edited.programs);
+    let editions = Editions::only(&settings);
+    let status = Status::new(&store, &editions, edited.programs);
     let log = Graph::get().stage(LOG_STAGE).expect("is a stage");
     assert_eq!(status.state(log, SCENES[0]).expect("is known"), State::Done, "has no edited program");
 
