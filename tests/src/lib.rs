@@ -105,6 +105,32 @@ voxel_m = 0.5
 "#
 );
 
+/// [`SMALL`] with small lidars and no cameras or voxels: the quickest dataset that goes through all stages.
+pub const LEAN: &str = concat!(
+    small!(),
+    r#"
+[vehicle.camera]
+enabled = false
+
+[vehicle.lidar]
+channels = 8
+columns = 64
+
+[vehicle.occupancy]
+enabled = false
+
+[rsu.camera]
+enabled = false
+
+[rsu.lidar]
+channels = 8
+columns = 64
+
+[rsu.occupancy]
+enabled = false
+"#
+);
+
 /// Runs a script of `tests` in Python with some arguments, and expects that it finds nothing wrong. With exit
 /// code 77 it says that it could not look at everything: a note.
 ///

@@ -164,7 +164,13 @@ fn protocol(metrics: Metrics) -> Protocol {
 /// The scenes that are wanted, as far as some stages have finished them.
 fn wanted(args: &Evaluate, store: &Store, needs: &[&'static str]) -> Result<Source, EvaluateError> {
     let scenes = args.scenes.as_ref().map(|scenes| scenes.ranges().to_vec());
-    let selection = Selection { scenes, splits: args.split.clone(), ..Selection::default() };
+    let selection = Selection {
+        scenes,
+        splits: args.split.clone(),
+        editions: args.edition.clone(),
+        groups: args.group.clone(),
+        ..Selection::default()
+    };
     Ok(Source::open(store, &selection, needs)?)
 }
 

@@ -75,6 +75,8 @@ fn selection(common: &CommonArgs, every_n_frames: u32) -> Selection {
     Selection {
         scenes: common.scenes.as_ref().map(|scenes| scenes.ranges().to_vec()),
         splits: common.split.clone(),
+        editions: common.edition.clone(),
+        groups: common.group.clone(),
         agents: common.agents.clone(),
         sensors: common.sensors.clone(),
         every_n_frames: common.every.unwrap_or(every_n_frames),

@@ -15,8 +15,8 @@ const JPEG_QUALITY: u8 = 80;
 /// The frame that is shown, if there are as many: everybody has set off by then.
 const FRAME: u32 = 20;
 
-/// A scene's card; `stats/` is where its picture's path begins.
-pub(crate) fn card(info: &SceneInfo, has_picture: bool) -> SceneCard {
+/// The card of a scene of a kind (empty: there is but one); `stats/` is where its picture's path begins.
+pub(crate) fn card(info: &SceneInfo, kind: &str, has_picture: bool) -> SceneCard {
     let count = |kind: &str, words: [&str; 2]| {
         let n = info.agents.iter().filter(|agent| agent.agent.starts_with(kind)).count();
         format!("{n} {}", words[usize::from(n != 1)])
@@ -26,6 +26,7 @@ pub(crate) fn card(info: &SceneInfo, has_picture: bool) -> SceneCard {
         scene: info.scene,
         split: info.split.clone(),
         map: info.map.clone(),
+        kind: kind.to_owned(),
         words: format!("{:.0} s, {vehicles}, {rsus}", info.duration_s),
         picture: has_picture.then(|| format!("scenes/{:04}.jpg", info.scene)),
     }
@@ -77,7 +78,7 @@ mod tests {
         let agent = |agent: &str| AgentInfo { agent: agent.into(), ..AgentInfo::default() };
         let agents = ["vehicle_0", "vehicle_1", "rsu_0"].map(agent).to_vec();
         let info = SceneInfo { scene: 7, duration_s: 12.0, agents, ..SceneInfo::default() };
-        let card = card(&info, true);
+        let card = card(&info, "", true);
         assert_eq!(card.words, "12 s, 2 vehicles, 1 RSU");
         assert_eq!(card.picture.as_deref(), Some("scenes/0007.jpg"));
     }

@@ -25,6 +25,7 @@ pub const STAGE: Stage<StatisticsSettings> = Stage::new(run);
 fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     let store = job.store().clone();
     let planned = job.planned_scenes()?;
+    let kinds = store::kind_names(&store::scene_kinds(&store)?);
     let progress = job.progress();
     progress.set_total(planned.len() as u64);
     let done = done_stages(job, &planned)?;
@@ -50,8 +51,9 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
             let reader = SceneReader::new(&store, *scene, manifests.iter().cloned());
             let info = reader.info().at(|| Place::scene(*scene))?;
             let picture = cards::picture(&reader, &info).at(|| Place::scene(*scene))?;
-            cards.push((cards::card(&info, picture.is_some()), picture));
-            groups.add(&info, &counted);
+            let kind = kinds.get(scene).map_or("", String::as_str);
+            cards.push((cards::card(&info, kind, picture.is_some()), picture));
+            groups.add(&info, kind, &counted);
             scenes.push(info);
         }
         progress.advance(1)?;
@@ -63,6 +65,7 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
         planned_scenes: planned.len() as u64,
         bev_cells: settings.bev.cells,
         bev_cell_m: settings.bev.cell_m,
+        kinds,
     };
     let tables = compute_tables(&facts, &scenes, &counts);
     let figures = draw_figures(&tables);

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from convoy.frame import Frame
 
 
+_ROSTER = "plan/roster.json"
+
+
 class Dataset:
     """A store: a folder that `make dataset` wrote. Nothing is read before it is asked for; may be pickled."""
 
@@ -28,6 +31,7 @@ class Dataset:
         self._files.check_format(self._files.json("dataset.json"), "dataset.json")
         rows = self._files.table("plan/scenes.parquet", ["scene", "split", "map", "frames"]).to_pylist()
         self._plan = {row["scene"]: row for row in rows}
+        self._kinds = self._read_kinds()
         self._scenes: dict[int, Scene] = {}
         self._maps: dict[str, pa.Table] = {}
 
@@ -37,11 +41,32 @@ class Dataset:
     def __reduce__(self) -> tuple[Any, ...]:
         return (Dataset, (str(self.path),))
 
+    def _read_kinds(self) -> dict[int, tuple[int, str]]:
+        """Edition and group of each scene; stores of older releases have one edition and no groups."""
+        if not (self.path / _ROSTER).exists():
+            return {}
+        slots = self._files.json(_ROSTER)
+        return {slot["scene"]: (slot.get("edition", 0), slot.get("group", "")) for slot in slots}
+
     @functools.cached_property
     def config(self) -> dict[str, Any]:
-        """The whole resolved configuration."""
+        """The whole resolved configuration; of several editions the newest."""
         config: dict[str, Any] = self._files.json("dataset.json")["config"]
         return config
+
+    @functools.cached_property
+    def editions(self) -> list[dict[str, Any]]:
+        """The resolved configurations that the scenes were made by; `Scene.edition` counts them from 0."""
+        editions: list[dict[str, Any]] = self._files.json("dataset.json").get("editions") or [self.config]
+        return editions
+
+    @property
+    def groups(self) -> dict[str, list[int]]:
+        """Planned scenes by group; those of no group have an empty name."""
+        groups: dict[str, list[int]] = {}
+        for number in sorted(self._plan):
+            groups.setdefault(self._kinds.get(number, (0, ""))[1], []).append(number)
+        return groups
 
     @property
     def splits(self) -> dict[str, list[int]]:
@@ -51,16 +76,31 @@ class Dataset:
             splits.setdefault(row["split"], []).append(number)
         return splits
 
-    def scenes(self, split: str | None = None, stages: Sequence[str] = ("simulate-and-log",)) -> list[Scene]:
-        """The scenes for which all these stages are finished, in order; of one split, or of all."""
+    def scenes(
+        self,
+        split: str | None = None,
+        stages: Sequence[str] = ("simulate-and-log",),
+        *,
+        group: str | None = None,
+        edition: int | None = None,
+    ) -> list[Scene]:
+        """The scenes for which all these stages are finished, in order; of one split, group and edition, or of all."""
         if split is not None and split not in self.splits:
             raise StoreError(
                 f"there is no split {split}: it has {', '.join(self.splits)}",
                 do="choose one of these",
                 file=str(self.path),
             )
+        if group is not None and group not in self.groups:
+            raise StoreError(
+                f"there is no group {group}: it has {', '.join(name or 'no group' for name in self.groups)}",
+                do="choose one of these",
+                file=str(self.path),
+            )
         numbers = [number for number, row in sorted(self._plan.items()) if split in (None, row["split"])]
-        return [scene for number in numbers if set(stages) <= (scene := self.scene(number)).stages]
+        scenes = [self.scene(number) for number in numbers]
+        scenes = [scene for scene in scenes if group in (None, scene.group) and edition in (None, scene.edition)]
+        return [scene for scene in scenes if set(stages) <= scene.stages]
 
     def scene(self, number: int) -> Scene:
         """A scene by its number."""
@@ -92,6 +132,8 @@ class Scene:
         self.map_name: str = row["map"]
         self.frames: int = row["frames"]
         """How many frames it has."""
+        self.edition, self.group = dataset._kinds.get(number, (0, ""))
+        """Which of `Dataset.editions` it was made by, and its group there (empty: none)."""
         self._files = Files(dataset.path, number)
 
     def __repr__(self) -> str:

@@ -88,8 +88,11 @@ fn size(tables: &Tables) -> String {
                 writeln!(text, "| {} | {} |", crate::page::column_title(name), grouped(&value.to_string()));
         }
     }
-    for (name, title) in [("scenes_by_map", "Scenes"), ("boxes_per_class", "Boxes, each object once a frame")]
-    {
+    for (name, title) in [
+        ("scenes_by_map", "Scenes"),
+        ("scenes_by_group", "Scenes by group"),
+        ("boxes_per_class", "Boxes, each object once a frame"),
+    ] {
         let Some(table) = tables.get(name).filter(|table| !table.is_empty()) else { continue };
         let heads: Vec<String> = table.columns.iter().map(|column| escaped(&words(&column.name))).collect();
         let ends = table
@@ -121,14 +124,32 @@ fn size(tables: &Tables) -> String {
 /// What agents carry.
 fn sensors(settings: &StatisticsSettings) -> String {
     let mut text = String::from("| agents | sensor | Hz | |\n|---|---|---:|---|\n");
-    let own = settings.rigs.own.iter().map(|(agents, rig)| (agents.join(", "), rig));
-    let kinds = [("vehicles".to_owned(), &settings.rigs.vehicle), ("RSUs".to_owned(), &settings.rigs.rsu)];
-    for (agents, rig) in kinds.into_iter().chain(own) {
-        for (sensor, hz, what) in rig_rows(rig) {
-            let _ = writeln!(text, "| {} | {} | {hz} | {what} |", escaped(&agents), escaped(&sensor));
+    let named = [(String::new(), settings)].into_iter().chain(unlike(settings));
+    for (whose, settings) in named {
+        let own = settings.rigs.own.iter().map(|(agents, rig)| (agents.join(", "), rig));
+        let kinds =
+            [("vehicles".to_owned(), &settings.rigs.vehicle), ("RSUs".to_owned(), &settings.rigs.rsu)];
+        for (agents, rig) in kinds.into_iter().chain(own) {
+            for (sensor, hz, what) in rig_rows(rig) {
+                let agents = escaped(&format!("{agents}{whose}"));
+                let _ = writeln!(text, "| {agents} | {} | {hz} | {what} |", escaped(&sensor));
+            }
         }
     }
     text
+}
+
+/// Groups and older editions whose agents carry other sensors, with words that say whose they are.
+fn unlike(settings: &StatisticsSettings) -> Vec<(String, &StatisticsSettings)> {
+    let mut all: Vec<(String, &StatisticsSettings)> = Vec::new();
+    all.extend(settings.groups.iter().map(|(name, group)| (format!(" (group {name})"), group)));
+    for (number, older) in settings.older.iter().enumerate() {
+        all.push((format!(" (edition {number})"), older));
+        let groups = older.groups.iter();
+        all.extend(groups.map(|(name, group)| (format!(" (edition {number}, group {name})"), group)));
+    }
+    all.retain(|(_, other)| other.rigs != settings.rigs);
+    all
 }
 
 /// Readings a second of what is read at frames 0, n, 2 n, ...

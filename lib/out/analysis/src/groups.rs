@@ -20,53 +20,75 @@ pub struct Group {
     pub figures: Vec<Figure>,
 }
 
-/// Scenes and counts, apart by split and map.
+/// Split, map and kind of a scene.
+type Place = [String; 3];
+/// What a reader chose of each: none, all.
+type Choice<'a> = [Option<&'a str>; 3];
+
+/// Scenes and counts, apart by split, map and kind.
 #[derive(Clone, Debug, Default)]
 pub struct GroupTotals {
-    parts: BTreeMap<(String, String), (Vec<SceneInfo>, MeasureTotals)>,
+    parts: BTreeMap<Place, (Vec<SceneInfo>, MeasureTotals)>,
 }
 
 impl GroupTotals {
-    /// Adds a scene and what was counted of it.
-    pub fn add(&mut self, scene: &SceneInfo, counts: &MeasureTotals) {
-        let (scenes, totals) = self.parts.entry((scene.split.clone(), scene.map.clone())).or_default();
+    /// Adds a scene of a kind (empty: there is but one) and what was counted of it.
+    pub fn add(&mut self, scene: &SceneInfo, kind: &str, counts: &MeasureTotals) {
+        let place = [scene.split.clone(), scene.map.clone(), kind.to_owned()];
+        let (scenes, totals) = self.parts.entry(place).or_default();
         scenes.push(scene.clone());
         totals.merge(counts);
     }
 
-    /// What readers can choose: each split, then each map, then each map of a split. What has no scenes, all
-    /// of them, or the same ones as an earlier choice is left out. Each is computed when it is asked for.
+    /// What readers can choose: each split, then each map, then each kind, then what two of these leave. What
+    /// has no scenes, all of them, or the same ones as an earlier choice is left out. Each is computed when
+    /// it is asked for.
     pub fn groups<'a>(&'a self, facts: &'a DatasetFacts) -> impl Iterator<Item = Group> + 'a {
-        let splits: BTreeSet<&str> = self.parts.keys().map(|(split, _)| split.as_str()).collect();
-        let maps: BTreeSet<&str> = self.parts.keys().map(|(_, map)| map.as_str()).collect();
-        let pairs = splits.iter().flat_map(|split| maps.iter().map(|map| (Some(*split), Some(*map))));
-        let mut choices: Vec<(Option<&str>, Option<&str>)> =
-            splits.iter().map(|s| (Some(*s), None)).collect();
-        choices.extend(maps.iter().map(|map| (None, Some(*map))));
-        choices.extend(pairs);
-        let mut seen = BTreeSet::from([Vec::new(), self.scenes((None, None))]);
+        let values = |of: usize| -> Vec<Option<&str>> {
+            let values: BTreeSet<&str> = self.parts.keys().map(|place| place[of].as_str()).collect();
+            values.into_iter().map(Some).collect()
+        };
+        let [splits, maps, kinds] = [0, 1, 2].map(values);
+        let none = [None];
+        let mut choices: Vec<Choice<'_>> = Vec::new();
+        let combinations: [[&[Option<&str>]; 3]; 6] = [
+            [&splits, &none, &none],
+            [&none, &maps, &none],
+            [&none, &none, &kinds],
+            [&splits, &maps, &none],
+            [&splits, &none, &kinds],
+            [&none, &maps, &kinds],
+        ];
+        for [splits, maps, kinds] in combinations {
+            for split in splits {
+                for map in maps {
+                    choices.extend(kinds.iter().map(|kind| [*split, *map, *kind]));
+                }
+            }
+        }
+        let mut seen = BTreeSet::from([Vec::new(), self.scenes([None; 3])]);
         choices.retain(|choice| seen.insert(self.scenes(*choice)));
         choices.into_iter().map(|choice| self.group(facts, choice))
     }
 
     fn parts_of<'a>(
         &'a self,
-        (split, map): (Option<&'a str>, Option<&'a str>),
+        choice: Choice<'a>,
     ) -> impl Iterator<Item = &'a (Vec<SceneInfo>, MeasureTotals)> {
-        let is_wanted = move |(of, on): &(String, String)| {
-            split.is_none_or(|split| split == of) && map.is_none_or(|map| map == on)
+        let is_wanted = move |place: &Place| {
+            choice.iter().zip(place).all(|(wanted, value)| wanted.is_none_or(|wanted| wanted == value))
         };
-        self.parts.iter().filter(move |(key, _)| is_wanted(key)).map(|(_, part)| part)
+        self.parts.iter().filter(move |(place, _)| is_wanted(place)).map(|(_, part)| part)
     }
 
-    fn scenes(&self, choice: (Option<&str>, Option<&str>)) -> Vec<u32> {
+    fn scenes(&self, choice: Choice<'_>) -> Vec<u32> {
         let scenes = self.parts_of(choice).flat_map(|(scenes, _)| scenes);
         let mut scenes: Vec<u32> = scenes.map(|scene| scene.scene).collect();
         scenes.sort_unstable();
         scenes
     }
 
-    fn group(&self, facts: &DatasetFacts, choice: (Option<&str>, Option<&str>)) -> Group {
+    fn group(&self, facts: &DatasetFacts, choice: Choice<'_>) -> Group {
         let (mut scenes, mut counts) = (Vec::new(), MeasureTotals::default());
         for (infos, totals) in self.parts_of(choice) {
             scenes.extend(infos.iter().cloned());
@@ -93,7 +115,13 @@ mod tests {
 
     /// Tables of each choice: its scenes, and its number of boxes.
     fn chosen(scenes: &[SceneInfo]) -> Vec<(Vec<u32>, u64)> {
-        let facts = DatasetFacts { name: "demo".into(), planned_scenes: 99, bev_cells: 400, bev_cell_m: 0.4 };
+        let facts = DatasetFacts {
+            name: "demo".into(),
+            planned_scenes: 99,
+            bev_cells: 400,
+            bev_cell_m: 0.4,
+            ..DatasetFacts::default()
+        };
         let mut totals = GroupTotals::default();
         for scene in scenes {
             let row = PartialRow {
@@ -104,7 +132,7 @@ mod tests {
             };
             let mut counts = MeasureTotals::default();
             counts.add(&[row]);
-            totals.add(scene, &counts);
+            totals.add(scene, if scene.scene == 9 { "night" } else { "" }, &counts);
         }
         let boxes = |group: &Group| {
             group.tables.get("boxes_per_class").and_then(|t| t.counts("all").last().copied()).unwrap_or(0)
@@ -128,6 +156,11 @@ mod tests {
             ]
         );
         assert_eq!(chosen(&[scene(0, "train", "A"), scene(1, "train", "A")]), [], "there is no choice");
+        // A scene of another kind.
+        assert_eq!(
+            chosen(&[scene(0, "train", "A"), scene(9, "train", "A")]),
+            [(vec![0], 1), (vec![9], 1_000_000_000)]
+        );
         assert_eq!(chosen(&[]), []);
     }
 }

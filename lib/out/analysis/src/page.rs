@@ -69,7 +69,7 @@ pub(crate) fn folded(table: &Table, is_drawn: bool) -> Markup {
     }
 }
 
-/// A table; a click on a heading sorts it. Rows of scenes say which split and map they are of.
+/// A table; a click on a heading sorts it. Rows of scenes say which split, map and group they are of.
 pub(crate) fn numbers(table: &Table) -> Markup {
     let is_total = |row| table.columns.first().is_some_and(|column| column.values.text(row) == "total");
     let is_of_scenes = table.column("scene").is_some();
@@ -92,7 +92,7 @@ pub(crate) fn numbers(table: &Table) -> Markup {
                 }
                 tbody {
                     @for row in 0..table.len() {
-                        tr class=[is_total(row).then_some("total")] data-split=[of("split", row)] data-map=[of("map", row)] {
+                        tr class=[is_total(row).then_some("total")] data-split=[of("split", row)] data-map=[of("map", row)] data-group=[of("group", row)] {
                             @for column in &table.columns {
                                 td class=[class_of(&column.values)] { (cell(column, row)) }
                             }

@@ -24,6 +24,8 @@ pub struct SceneCard {
     pub split: String,
     /// Its map.
     pub map: String,
+    /// Its kind; empty where there is but one.
+    pub kind: String,
     /// A few words of it.
     pub words: String,
     /// A small picture of it, from the report's folder on; none where it has no camera.
@@ -145,7 +147,7 @@ fn has_section(section: Section, tables: &Tables) -> bool {
     tables.tables.iter().any(|table| table.section == section && !table.is_empty())
 }
 
-/// Every scene with its picture, to be filtered by split and map; each leads to the viewer where that serves
+/// Every scene with its picture, to be filtered by split, map and kind; each leads to the viewer where that serves
 /// the page.
 fn scene_cards(cards: &[SceneCard]) -> Markup {
     let values = |of: fn(&SceneCard) -> &str| {
@@ -154,7 +156,9 @@ fn scene_cards(cards: &[SceneCard]) -> Markup {
         values.dedup();
         values
     };
-    let choices = [("split", values(|card| &card.split)), ("map", values(|card| &card.map))];
+    let mut choices = vec![("split", values(|card| &card.split)), ("map", values(|card| &card.map))];
+    let kinds = values(|card| &card.kind);
+    choices.extend((kinds.len() > 1).then_some(("group", kinds)));
     html! {
             div class="choices" hidden="hidden" {
                 @for (name, values) in &choices {
@@ -170,12 +174,12 @@ fn scene_cards(cards: &[SceneCard]) -> Markup {
             }
             div class="cards" {
                 @for card in cards {
-                    a class="card" href="#" data-scene=(format!("{:04}", card.scene)) data-split=(card.split) data-map=(card.map) {
+                    a class="card" href="#" data-scene=(format!("{:04}", card.scene)) data-split=(card.split) data-map=(card.map) data-group=(card.kind) {
                         @if let Some(picture) = &card.picture {
                             (PreEscaped(image(picture, card.scene)))
                         }
                         b { (format!("{:04}", card.scene)) " " (card.map) }
-                        span { (card.split) ", " (card.words) }
+                        span { (card.split) ", " @if !card.kind.is_empty() { (card.kind) ", " } (card.words) }
                     }
                     "\n"
                 }

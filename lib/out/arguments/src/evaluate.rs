@@ -33,6 +33,12 @@ pub struct Evaluate {
     /// Only scenes of these splits, such as test.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub split: Vec<String>,
+    /// Only scenes of these editions of the configuration, by number.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub edition: Vec<u32>,
+    /// Only scenes of these groups, by name.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub group: Vec<String>,
     /// Egos, such as vehicle_0,rsu_*.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "vehicle_*")]
     pub agents: Vec<String>,

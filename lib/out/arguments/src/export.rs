@@ -23,6 +23,12 @@ pub struct CommonArgs {
     /// Only these splits, such as train,val.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub split: Vec<String>,
+    /// Only scenes of these editions of the configuration, by number.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub edition: Vec<u32>,
+    /// Only scenes of these groups, by name.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub group: Vec<String>,
     /// Only these agents; * stands for any text: vehicle_0,rsu_*.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub agents: Vec<String>,

@@ -1,6 +1,7 @@
 //! Which part of a store is exported.
 
 use schema::AgentId;
+use store::SceneKind;
 
 /// A part of a store. Everything is wanted where nothing is said.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -9,6 +10,10 @@ pub struct Selection {
     pub scenes: Option<Vec<(u32, u32)>>,
     /// Splits: `train`, `val`, `test`.
     pub splits: Vec<String>,
+    /// Editions of the configuration, by number.
+    pub editions: Vec<u32>,
+    /// Groups of scenes, by name.
+    pub groups: Vec<String>,
     /// Names of agents, in which `*` stands for anything: `vehicle_0`, `rsu_*`.
     pub agents: Vec<String>,
     /// Names of sensors, likewise: `LIDAR`, `RGB-*`.
@@ -18,13 +23,15 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// Whether a scene of a split is wanted.
+    /// Whether a scene of a split and a kind is wanted.
     #[must_use]
-    pub fn has_scene(&self, scene: u32, split: &str) -> bool {
+    pub fn has_scene(&self, scene: u32, split: &str, kind: &SceneKind) -> bool {
         self.scenes
             .as_ref()
             .is_none_or(|pieces| pieces.iter().any(|(first, last)| (*first..=*last).contains(&scene)))
             && (self.splits.is_empty() || self.splits.iter().any(|s| s == split))
+            && (self.editions.is_empty() || self.editions.contains(&kind.edition))
+            && (self.groups.is_empty() || self.groups.contains(&kind.group))
     }
 
     /// Whether an agent is wanted.
@@ -44,8 +51,8 @@ impl Selection {
         schema::rate::due(frames, self.every_n_frames)
     }
 
-    /// The selection in words that stay the same: part of what makes two exports the same. Scenes and splits
-    /// are not: an export may grow by them.
+    /// The selection in words that stay the same: part of what makes two exports the same. Scenes, splits,
+    /// editions and groups are not: an export may grow by them.
     #[must_use]
     pub fn identity(&self) -> String {
         let Self { agents, sensors, every_n_frames, .. } = self;
@@ -91,8 +98,9 @@ mod tests {
 
     #[test]
     fn nothing_said_is_everything() {
+        let day = SceneKind::default();
         let all = Selection::default();
-        assert!(all.has_scene(7, "val") && all.has_agent(AgentId::rsu(3)) && all.has_sensor("IMU"));
+        assert!(all.has_scene(7, "val", &day) && all.has_agent(AgentId::rsu(3)) && all.has_sensor("IMU"));
         assert_eq!(all.frames(3).collect::<Vec<_>>(), [0, 1, 2]);
         let some = Selection {
             scenes: Some(vec![(7, 8)]),
@@ -101,7 +109,18 @@ mod tests {
             every_n_frames: 4,
             ..all
         };
-        assert!(some.has_scene(7, "val") && !some.has_scene(7, "train") && !some.has_scene(6, "val"));
+        let has = |scene, split| some.has_scene(scene, split, &day);
+        assert!(has(7, "val") && !has(7, "train") && !has(6, "val"));
+        let night = SceneKind { edition: 1, group: "night".into() };
+        let of = |editions: &[u32], groups: &[&str]| {
+            let groups = groups.iter().map(|group| (*group).to_owned()).collect();
+            let some = Selection { editions: editions.to_vec(), groups, ..Selection::default() };
+            [&day, &night].map(|kind| some.has_scene(0, "val", kind))
+        };
+        assert_eq!(
+            [of(&[0], &[]), of(&[0, 1], &[]), of(&[], &["night"])],
+            [[true, false], [true, true], [false, true]]
+        );
         assert!(some.has_agent(AgentId::vehicle(2)) && !some.has_agent(AgentId::rsu(2)));
         assert_eq!(some.frames(9).collect::<Vec<_>>(), [0, 4, 8]);
     }

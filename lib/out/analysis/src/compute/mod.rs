@@ -12,6 +12,8 @@ mod share;
 mod sightings;
 mod weather;
 
+use std::collections::BTreeMap;
+
 use schema::scene_info::SceneInfo;
 
 use crate::table::Tables;
@@ -24,7 +26,7 @@ pub(crate) use sightings::{PLACE_TABLES, POINT_TABLES, SPREAD_TABLES};
 pub(crate) use weather::{WEATHER_TABLES, WeatherTable};
 
 /// What is said of a dataset besides counts.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DatasetFacts {
     /// Name of the dataset.
     pub name: String,
@@ -34,6 +36,8 @@ pub struct DatasetFacts {
     pub bev_cells: u32,
     /// Side of a cell, m.
     pub bev_cell_m: f64,
+    /// Names of kinds of scenes (`night`, `edition 1`), by scene; none where all are of one kind.
+    pub kinds: BTreeMap<u32, String>,
 }
 
 /// Every table of a dataset. Scenes may come in any order.
@@ -42,7 +46,7 @@ pub struct DatasetFacts {
 /// use analysis::{DatasetFacts, MeasureTotals, compute_tables, draw_figures, report_html, to_csv};
 /// use schema::scene_info::SceneInfo;
 ///
-/// let facts = DatasetFacts { name: "demo".into(), planned_scenes: 1, bev_cells: 400, bev_cell_m: 0.4 };
+/// let facts = DatasetFacts { name: "demo".into(), planned_scenes: 1, ..DatasetFacts::default() };
 /// let scene = SceneInfo { map: "Town01".into(), frames: 40, ..SceneInfo::default() };
 /// let tables = compute_tables(&facts, &[scene], &MeasureTotals::default());
 /// let overview = tables.get("overview").map(to_csv);
@@ -55,7 +59,7 @@ pub fn compute_tables(facts: &DatasetFacts, scenes: &[SceneInfo], counts: &Measu
     scenes.sort_by_key(|scene| scene.scene);
     let frames = annotated_frames(&scenes, counts);
     let mut tables = vec![overview::overview(&scenes, facts.planned_scenes, counts)];
-    tables.extend(scenes::tables(&scenes));
+    tables.extend(scenes::tables(&scenes, &facts.kinds));
     tables.extend(WEATHER_TABLES.iter().map(|table| weather::transitions(table, &scenes)));
     tables.extend(boxes::tables(counts, frames));
     tables.extend(sightings::tables(counts));

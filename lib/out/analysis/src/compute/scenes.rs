@@ -1,5 +1,7 @@
 //! Tables over scenes.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use schema::scene_info::SceneInfo;
 use schema::{Published, SceneBins};
 
@@ -80,8 +82,9 @@ pub(super) fn agents(scene: &SceneInfo, prefix: &str) -> u64 {
     scene.agents.iter().filter(|agent| agent.agent.starts_with(prefix)).count() as u64
 }
 
-pub(super) fn tables(scenes: &[&SceneInfo]) -> Vec<Table> {
+pub(super) fn tables(scenes: &[&SceneInfo], kinds: &BTreeMap<u32, String>) -> Vec<Table> {
     let mut tables = vec![maps(scenes)];
+    tables.extend((!kinds.is_empty()).then(|| groups(scenes, kinds)));
     for spec in SCENE_HISTOGRAMS {
         let values: Vec<u64> = scenes.iter().map(|scene| (spec.value)(scene)).collect();
         let bins = histogram(&values, spec.width, spec.overflow);
@@ -92,7 +95,7 @@ pub(super) fn tables(scenes: &[&SceneInfo]) -> Vec<Table> {
                 .with_counts("scenes", bins.iter().map(|bin| bin.count)),
         );
     }
-    tables.push(each_scene(scenes));
+    tables.push(each_scene(scenes, kinds));
     tables
 }
 
@@ -126,12 +129,32 @@ fn maps(scenes: &[&SceneInfo]) -> Table {
     table.with_counts("total", rows.iter().map(|map| count(*map, None)))
 }
 
+/// Scenes of each kind.
+fn groups(scenes: &[&SceneInfo], kinds: &BTreeMap<u32, String>) -> Table {
+    let name = |scene: &SceneInfo| kinds.get(&scene.scene).map_or("", String::as_str);
+    let names: BTreeSet<&str> = scenes.iter().map(|scene| name(scene)).collect();
+    let of = |wanted: &str, value: &dyn Fn(&SceneInfo) -> u64| -> u64 {
+        scenes.iter().filter(|scene| name(scene) == wanted).map(|scene| value(scene)).sum()
+    };
+    Table::new("scenes_by_group", Section::Scenes, "Scenes by group", "")
+        .with_strings("group", names.iter().copied())
+        .with_counts("scenes", names.iter().map(|name| of(name, &|_| 1)))
+        .with_counts("frames", names.iter().map(|name| of(name, &|scene| scene.frames.into())))
+        .with_counts("vehicles", names.iter().map(|name| of(name, &|scene| agents(scene, "vehicle_"))))
+        .with_counts("rsus", names.iter().map(|name| of(name, &|scene| agents(scene, "rsu_"))))
+}
+
 /// One row a scene.
-fn each_scene(scenes: &[&SceneInfo]) -> Table {
-    Table::new("scenes", Section::Scenes, "Every scene", "")
+fn each_scene(scenes: &[&SceneInfo], kinds: &BTreeMap<u32, String>) -> Table {
+    let mut table = Table::new("scenes", Section::Scenes, "Every scene", "")
         .with_counts("scene", scenes.iter().map(|scene| scene.scene.into()))
         .with_strings("split", scenes.iter().map(|scene| scene.split.as_str()))
-        .with_strings("map", scenes.iter().map(|scene| scene.map.as_str()))
+        .with_strings("map", scenes.iter().map(|scene| scene.map.as_str()));
+    if !kinds.is_empty() {
+        let name = |scene: &&SceneInfo| kinds.get(&scene.scene).map_or("", String::as_str);
+        table = table.with_strings("group", scenes.iter().map(name));
+    }
+    table
         .with_numbers("duration_s", 2, scenes.iter().map(|scene| Some(scene.duration_s)))
         .with_counts("frames", scenes.iter().map(|scene| scene.frames.into()))
         .with_counts("vehicles", scenes.iter().map(|scene| agents(scene, "vehicle_")))

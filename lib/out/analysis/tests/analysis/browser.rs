@@ -142,12 +142,18 @@ fn picture() -> Vec<u8> {
 }
 
 fn write_pages(folder: &Path) {
-    let facts =
-        |name: &str| DatasetFacts { name: name.into(), planned_scenes: 12, bev_cells: 400, bev_cell_m: 0.4 };
+    let facts = |name: &str| DatasetFacts {
+        name: name.into(),
+        planned_scenes: 12,
+        bev_cells: 400,
+        bev_cell_m: 0.4,
+        ..DatasetFacts::default()
+    };
     let card = |scene: &SceneInfo| SceneCard {
         scene: scene.scene,
         split: scene.split.clone(),
         map: scene.map.clone(),
+        kind: String::new(),
         words: "10 s, 3 vehicles, 1 RSU".into(),
         picture: Some(format!("scenes/{:04}.jpg", scene.scene)),
     };
@@ -163,7 +169,7 @@ fn write_pages(folder: &Path) {
     let mut groups = GroupTotals::default();
     for scene in &scenes {
         let counts = if scene.split == "train" { counts() } else { few_counts() };
-        groups.add(scene, &counts);
+        groups.add(scene, "", &counts);
     }
     let whole = facts("a demo");
     let write = |name: &str, page: &str| std::fs::write(folder.join(name), page).expect("is written");

@@ -10,6 +10,8 @@ use settings::{AnnotationSettings, BevSettings, CardSettings, OccupancySettings,
 fn settings(card: CardSettings) -> StatisticsSettings {
     let grids = |grid: OccupancySettings| PerAgent { vehicle: grid.clone(), rsu: grid, own: Vec::new() };
     StatisticsSettings {
+        groups: Vec::new(),
+        older: Vec::new(),
         name: "Night | rain's".into(),
         card,
         seed: 27,
@@ -30,7 +32,13 @@ fn made_by() -> MadeBy {
 }
 
 fn tables(scenes: usize) -> Tables {
-    let facts = DatasetFacts { name: "n".into(), planned_scenes: 3, bev_cells: 400, bev_cell_m: 0.4 };
+    let facts = DatasetFacts {
+        name: "n".into(),
+        planned_scenes: 3,
+        bev_cells: 400,
+        bev_cell_m: 0.4,
+        ..DatasetFacts::default()
+    };
     let scene = |i| SceneInfo {
         scene: i,
         map: "Town01".into(),

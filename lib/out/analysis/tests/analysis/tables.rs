@@ -43,7 +43,13 @@ fn tables_of(scenes: &[SceneInfo], rows: &[PartialRow]) -> Tables {
 }
 
 fn facts(planned: usize) -> DatasetFacts {
-    DatasetFacts { name: "demo".into(), planned_scenes: planned as u64, bev_cells: 400, bev_cell_m: 0.4 }
+    DatasetFacts {
+        name: "demo".into(),
+        planned_scenes: planned as u64,
+        bev_cells: 400,
+        bev_cell_m: 0.4,
+        ..DatasetFacts::default()
+    }
 }
 
 #[test]
@@ -273,6 +279,7 @@ fn scenes_are_cards_that_say_what_to_filter_them_by() {
         scene,
         split: split.into(),
         map: "Town<1>".into(),
+        kind: String::new(),
         words: "10 s".into(),
         picture: picture.map(str::to_owned),
     };

@@ -65,9 +65,19 @@ impl Source {
                 "scenes {unknown:?} are not in the plan of this store"
             )));
         }
+        let kinds = store::scene_kinds(store)?;
+        let no_such = selection.groups.iter().find(|name| kinds.values().all(|kind| kind.group != **name));
+        if let Some(name) = no_such {
+            let known: BTreeSet<&str> = kinds.values().map(|kind| kind.group.as_str()).collect();
+            return Err(ExportError::Refused(format!(
+                "no scene of this store is of group `{name}`; its groups: {}",
+                known.into_iter().collect::<Vec<_>>().join(", ")
+            )));
+        }
         let (mut scenes, mut unfinished) = (Vec::new(), BTreeMap::new());
         for Planned { scene, split } in planned {
-            if !selection.has_scene(scene, &split) {
+            let kind = kinds.get(&scene).cloned().unwrap_or_default();
+            if !selection.has_scene(scene, &split, &kind) {
                 continue;
             }
             match SceneSource::open(store, scene, selection, &STAGES, needs)? {
