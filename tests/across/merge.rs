@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use convoy_tests::{Bench, Outcome, TINY};
+use convoy_tests::{Bench, LEAN, Outcome, TINY};
 
 fn config() -> String {
     TINY.replace("\"convoy/demo\" = 1", "\"convoy/demo\" = 2")
@@ -62,7 +62,10 @@ fn stores_of_other_plans_are_refused() {
         assert_eq!(here.digests(), before, "nothing was taken");
     };
     let seed = config().lines().find(|line| line.starts_with("seed")).expect("has a seed").to_owned();
-    expect(&made(&config().replace(&seed, "seed = 77"), "1"), "have different settings: seed: 11 -> 77");
+    expect(
+        &made(&config().replace(&seed, "seed = 77"), "1"),
+        "have different settings (scene 1): seed: 11 -> 77",
+    );
     // A larger plan has scenes that this one does not.
     let larger = TINY.replace("\"convoy/demo\" = 1", "\"convoy/demo\" = 3");
     expect(&made(&larger, "2"), "its scene 2 is not planned");
@@ -77,4 +80,39 @@ fn stores_of_other_plans_are_refused() {
     merge(&larger, &[&*here.store()]).expect_done();
     let status = larger.run("bev-gt", &["--dry-run"]);
     assert!(status.code == 0 && larger.store().join("scenes/0000/_manifests/bev-gt.json").exists());
+}
+
+#[test]
+fn unlike_stores_become_one_when_asked() {
+    let day = LEAN.to_owned();
+    let dense = format!("first_scene = 100\n{}", LEAN.replace("vehicles = 12", "vehicles = 20"));
+    let run =
+        |bench: &Bench, args: &[&str]| bench.run("convoy", &[&["run", "--progress", "none"], args].concat());
+    let (here, there) = (Bench::new(&day), Bench::new(&dense));
+    run(&here, &[]).expect_done();
+    run(&there, &[]).expect_done();
+    let scenes = |bench: &Bench| -> Vec<(String, String)> {
+        bench.digests().into_iter().filter(|(name, _)| name.starts_with("scenes/")).collect()
+    };
+    let before = here.digests();
+    let place = there.store().display().to_string();
+    let refused = here.run("convoy", &["merge", &place]);
+    assert!(refused.code == 2 && refused.stderr.contains("--mixed"), "{refused:?}");
+    assert_eq!(here.digests(), before);
+    for _ in 0..2 {
+        here.run("convoy", &["merge", "--mixed", &place]).expect_done();
+    }
+    let both: Vec<_> = [scenes(&here), scenes(&there)].map(|own| own.len()).into();
+    assert_eq!(both[0], 2 * both[1], "{both:?}");
+    // With either configuration all is done but the plan and the statistics.
+    for config in [&day, &dense] {
+        here.configure(config);
+        let kept = scenes(&here);
+        let outcome = run(&here, &[]);
+        outcome.expect_done();
+        assert!(!outcome.stderr.contains("makes again"), "{}", outcome.stderr);
+        assert_eq!(scenes(&here), kept);
+        here.run("convoy", &["status"]).expect_done();
+        here.run("convoy", &["verify"]).expect_done();
+    }
 }

@@ -1,6 +1,6 @@
 //! Joining stores of one plan that were made in several places.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use runner::{
@@ -10,13 +10,13 @@ use runner::{
 use schema::scene_info::LOG_STAGE;
 use schema::tables::{SceneTileRow, TILE_STAGE};
 use schema::tile::TileIndex;
-use store::{Manifest, Scope, Store, StoreError, keys};
+use serde_json::Value;
+use store::{Manifest, SceneKind, Scope, Store, StoreError, keys};
 
-/// Settings that may differ: they say how many scenes there are, and of which maps.
-const COUNTS: [&str; 2] = ["scenes", "redraw"];
+use crate::stores::mixed;
 
 /// Why stores cannot be joined.
-enum Fault {
+pub(super) enum Fault {
     /// What the user can correct.
     Refused(String),
     Store(StoreError),
@@ -30,11 +30,13 @@ impl From<StoreError> for Fault {
 }
 
 /// A store that is joined, and its plan.
-struct Member {
-    store: Store,
+pub(super) struct Member {
+    pub(super) store: Store,
     name: String,
-    plan: Manifest,
-    settings: serde_json::Value,
+    pub(super) plan: Manifest,
+    /// The configurations that its scenes are made by, by edition.
+    pub(super) editions: Vec<Value>,
+    pub(super) kinds: BTreeMap<u32, SceneKind>,
 }
 
 impl Member {
@@ -42,20 +44,30 @@ impl Member {
     fn open(place: &Path) -> Result<Option<Self>, Fault> {
         let store = Store::open(place)?;
         let Some(plan) = store.manifest(Scope::Plan, Graph::get().planner().name)? else { return Ok(None) };
-        let dataset: serde_json::Value = store.read_output_json(&plan, keys::DATASET)?;
-        let mut settings = dataset.get("config").cloned().unwrap_or_default();
-        if let Some(settings) = settings.as_object_mut() {
-            COUNTS.iter().for_each(|name| drop(settings.remove(*name)));
-        }
-        Ok(Some(Self { store, name: place.display().to_string(), plan, settings }))
+        let editions = runner::recorded_editions(&store)?;
+        let kinds = store::scene_kinds(&store)?;
+        Ok(Some(Self { store, name: place.display().to_string(), plan, editions, kinds }))
     }
 
     /// Scenes of which something is done.
-    fn scenes(&self) -> Result<BTreeSet<u32>, StoreError> {
+    pub(super) fn scenes(&self) -> Result<BTreeSet<u32>, StoreError> {
         scenes_begun(&self.store)
     }
 
-    fn planned(&self, scene: u32) -> Option<&String> {
+    /// What a scene is made by.
+    fn rules(&self, scene: u32) -> Value {
+        let kind = self.kinds.get(&scene).cloned().unwrap_or_default();
+        let rules = self.editions.get(kind.edition as usize).map(runner::rules_of_record).unwrap_or_default();
+        match rules.get("groups").and_then(Value::as_array) {
+            // Other groups are no matter of this scene's.
+            Some(groups) => {
+                groups.iter().find(|group| group["name"] == kind.group.as_str()).cloned().unwrap_or(rules)
+            }
+            None => rules,
+        }
+    }
+
+    pub(super) fn planned(&self, scene: u32) -> Option<&String> {
         self.plan.sections.get(&format!("scene/{scene:04}"))
     }
 }
@@ -69,10 +81,11 @@ struct Taken {
     there: usize,
 }
 
-/// Takes into `place` all that other stores of the same plan have and it has not; the exit code.
-pub(crate) fn merge(place: &Path, others: &[PathBuf]) -> u8 {
+/// Takes into `place` all that other stores of the same plan have and it has not; the exit code. Where they
+/// are `mixed`, scenes that are not in its plan are added to it, with the settings that they were made by.
+pub(crate) fn merge(place: &Path, others: &[PathBuf], is_mixed: bool) -> u8 {
     runner::listen_for_signals();
-    match join(place, others) {
+    match join(place, others, is_mixed) {
         Ok(()) => EXIT_DONE,
         Err(Fault::Refused(why)) => {
             tracing::error!("{why}");
@@ -93,7 +106,7 @@ pub(crate) fn merge(place: &Path, others: &[PathBuf]) -> u8 {
     }
 }
 
-fn join(place: &Path, others: &[PathBuf]) -> Result<(), Fault> {
+fn join(place: &Path, others: &[PathBuf], is_mixed: bool) -> Result<(), Fault> {
     let open = |other: &PathBuf| {
         let none = || Fault::Refused(format!("{}: holds no plan: is it a store?", other.display()));
         Member::open(other)?.ok_or_else(none)
@@ -110,14 +123,14 @@ fn join(place: &Path, others: &[PathBuf]) -> Result<(), Fault> {
                 let why = "holds files, but no plan; give an empty folder, or a store of the same plan";
                 return Err(Fault::Refused(format!("{}: {why}", place.display())));
             }
-            others.iter().try_for_each(|other| same_plan(largest, other))?;
+            others.iter().try_for_each(|other| fits(largest, other, is_mixed))?;
             into.adopt(&largest.store, Scope::Plan, &largest.plan)?;
             Member { store: into, name: place.display().to_string(), ..copy_of(largest) }
         }
     };
     // All that speaks against it is said before anything is copied.
     for other in &others {
-        same_plan(&here, other)?;
+        fits(&here, other, is_mixed)?;
         for (scope, manifest) in stages(other)? {
             if here
                 .store
@@ -148,26 +161,43 @@ fn join(place: &Path, others: &[PathBuf]) -> Result<(), Fault> {
             taken.there
         ));
     }
-    say("statistics are of all scenes: make them anew (convoy run)");
+    if is_mixed {
+        mixed::enrol(&here, &others)?;
+        say(
+            "scenes of several editions: plan and statistics are made anew by `convoy run` with the configuration of any",
+        );
+    } else {
+        say("statistics are of all scenes: make them anew (convoy run)");
+    }
     Ok(())
 }
 
 fn copy_of(member: &Member) -> Member {
-    let Member { store, name, plan, settings } = member;
-    Member { store: store.clone(), name: name.clone(), plan: plan.clone(), settings: settings.clone() }
+    let Member { store, name, plan, editions, kinds } = member;
+    let (editions, kinds) = (editions.clone(), kinds.clone());
+    Member { store: store.clone(), name: name.clone(), plan: plan.clone(), editions, kinds }
 }
 
-/// Refuses a store of other settings, or whose scenes are planned otherwise.
-fn same_plan(here: &Member, other: &Member) -> Result<(), Fault> {
-    if let Some(change) = settings::key_changes(&here.settings, &other.settings).first() {
-        let (here, other) = (&here.name, &other.name);
-        return Err(Fault::Refused(format!("{here} and {other} have different settings: {change}")));
-    }
+/// Refuses a store whose scenes are made by other settings or planned otherwise. Where stores are mixed, this
+/// holds for scenes that both have.
+fn fits(here: &Member, other: &Member, is_mixed: bool) -> Result<(), Fault> {
     for scene in other.scenes()? {
         let (there, ours) = (other.planned(scene), here.planned(scene));
+        if is_mixed && ours.is_none() && there.is_some() {
+            continue;
+        }
+        // The rules of a scene that is not planned here are nobody's.
+        let changes = settings::key_changes(&here.rules(scene), &other.rules(scene));
+        if let Some(change) = changes.first().filter(|_| ours.is_some()) {
+            let (here, other) = (&here.name, &other.name);
+            return Err(Fault::Refused(format!(
+                "{here} and {other} have different settings (scene {scene}): {change}"
+            )));
+        }
         if there.is_none() || there != ours {
             let what = if ours.is_none() { "not planned" } else { "planned otherwise" };
-            let advice = "stores are joined whose scenes come from one plan; expand that plan first";
+            let advice =
+                "stores are joined whose scenes come from one plan; expand that plan first, or --mixed";
             return Err(Fault::Refused(format!(
                 "{}: its scene {scene} is {what} in {} ({advice})",
                 other.name, here.name
