@@ -1,4 +1,5 @@
-//! A dataset of unlike scenes: each group's scenes follow its settings, and a change of one leaves the others.
+//! A dataset of unlike scenes: each group's scenes follow its settings, and a change of one leaves the
+//! others.
 
 use std::collections::BTreeMap;
 use std::time::SystemTime;

@@ -1,76 +1,18 @@
 //! Joining stores of one plan that were made in several places.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use runner::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, StageSpec, UnitKind, say, scenes_begun,
-    was_stopped,
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, StageSpec, UnitKind, say, was_stopped,
 };
 use schema::scene_info::LOG_STAGE;
 use schema::tables::{SceneTileRow, TILE_STAGE};
 use schema::tile::TileIndex;
-use serde_json::Value;
-use store::{Manifest, SceneKind, Scope, Store, StoreError, keys};
+use store::{Manifest, Scope, Store, StoreError, keys};
 
-use crate::stores::mixed;
-
-/// Why stores cannot be joined.
-pub(super) enum Fault {
-    /// What the user can correct.
-    Refused(String),
-    Store(StoreError),
-    Stopped,
-}
-
-impl From<StoreError> for Fault {
-    fn from(e: StoreError) -> Self {
-        Self::Store(e)
-    }
-}
-
-/// A store that is joined, and its plan.
-pub(super) struct Member {
-    pub(super) store: Store,
-    name: String,
-    pub(super) plan: Manifest,
-    /// The configurations that its scenes are made by, by edition.
-    pub(super) editions: Vec<Value>,
-    pub(super) kinds: BTreeMap<u32, SceneKind>,
-}
-
-impl Member {
-    /// None where there is no plan.
-    fn open(place: &Path) -> Result<Option<Self>, Fault> {
-        let store = Store::open(place)?;
-        let Some(plan) = store.manifest(Scope::Plan, Graph::get().planner().name)? else { return Ok(None) };
-        let editions = runner::recorded_editions(&store)?;
-        let kinds = store::scene_kinds(&store)?;
-        Ok(Some(Self { store, name: place.display().to_string(), plan, editions, kinds }))
-    }
-
-    /// Scenes of which something is done.
-    pub(super) fn scenes(&self) -> Result<BTreeSet<u32>, StoreError> {
-        scenes_begun(&self.store)
-    }
-
-    /// What a scene is made by.
-    fn rules(&self, scene: u32) -> Value {
-        let kind = self.kinds.get(&scene).cloned().unwrap_or_default();
-        let rules = self.editions.get(kind.edition as usize).map(runner::rules_of_record).unwrap_or_default();
-        match rules.get("groups").and_then(Value::as_array) {
-            // Other groups are no matter of this scene's.
-            Some(groups) => {
-                groups.iter().find(|group| group["name"] == kind.group.as_str()).cloned().unwrap_or(rules)
-            }
-            None => rules,
-        }
-    }
-
-    pub(super) fn planned(&self, scene: u32) -> Option<&String> {
-        self.plan.sections.get(&format!("scene/{scene:04}"))
-    }
-}
+use super::member::{Fault, Member};
+use super::mixed;
 
 /// What was taken over.
 #[derive(Default)]
@@ -125,7 +67,7 @@ fn join(place: &Path, others: &[PathBuf], is_mixed: bool) -> Result<(), Fault> {
             }
             others.iter().try_for_each(|other| fits(largest, other, is_mixed))?;
             into.adopt(&largest.store, Scope::Plan, &largest.plan)?;
-            Member { store: into, name: place.display().to_string(), ..copy_of(largest) }
+            Member { store: into, name: place.display().to_string(), ..largest.clone() }
         }
     };
     // All that speaks against it is said before anything is copied.
@@ -170,12 +112,6 @@ fn join(place: &Path, others: &[PathBuf], is_mixed: bool) -> Result<(), Fault> {
         say("statistics are of all scenes: make them anew (convoy run)");
     }
     Ok(())
-}
-
-fn copy_of(member: &Member) -> Member {
-    let Member { store, name, plan, editions, kinds } = member;
-    let (editions, kinds) = (editions.clone(), kinds.clone());
-    Member { store: store.clone(), name: name.clone(), plan: plan.clone(), editions, kinds }
 }
 
 /// Refuses a store whose scenes are made by other settings or planned otherwise. Where stores are mixed, this

@@ -5,7 +5,7 @@ use store::{Attempt, Scope, Store, StoreError, keys};
 
 use runner::Graph;
 
-use super::merge::{Fault, Member};
+use super::member::{Fault, Member};
 
 /// Adds the scenes of other stores that are in no plan here, with their editions and maps. The planner does
 /// the rest: it plans every scene by its edition, which gives what its store had.

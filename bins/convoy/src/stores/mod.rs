@@ -1,5 +1,6 @@
 //! What the `convoy` program does with stores: all stages in order, the status table, verification.
 
+mod member;
 mod merge;
 mod mixed;
 mod tidy;

@@ -147,8 +147,8 @@ fn has_section(section: Section, tables: &Tables) -> bool {
     tables.tables.iter().any(|table| table.section == section && !table.is_empty())
 }
 
-/// Every scene with its picture, to be filtered by split, map and kind; each leads to the viewer where that serves
-/// the page.
+/// Every scene with its picture, to be filtered by split, map and kind; each leads to the viewer where that
+/// serves the page.
 fn scene_cards(cards: &[SceneCard]) -> Markup {
     let values = |of: fn(&SceneCard) -> &str| {
         let mut values: Vec<&str> = cards.iter().map(of).collect();

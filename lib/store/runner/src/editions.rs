@@ -1,7 +1,7 @@
 //! The configurations that the scenes of a store are made by.
 //!
-//! A store remembers every configuration that it was made with, numbered from 0: its editions. The roster says
-//! which edition and which group each scene belongs to, and a stage sees that edition's settings of that
+//! A store remembers every configuration that it was made with, numbered from 0: its editions. The roster
+//! says which edition and which group each scene belongs to, and a stage sees that edition's settings of that
 //! group. The newest edition says which scenes there are. A store of one edition works as if there were no
 //! such thing.
 
@@ -11,8 +11,6 @@ use serde::Deserialize;
 use serde_json::Value;
 use settings::{DatasetSettings, KeyChange, key_changes};
 use store::{SceneKind, Scope, Store, StoreError, keys};
-
-use crate::foresight::scenes_begun;
 
 /// What a configuration says besides how scenes are made: how many there are, and words.
 const NO_RULES: [&str; 5] = ["name", "card", "scenes", "first_scene", "redraw"];
@@ -204,7 +202,7 @@ impl Editions {
             return Ok(());
         }
         // Of what was only planned nothing is lost.
-        let begun = scenes_begun(store)?;
+        let begun = store::scenes_begun(store)?;
         for scene in unknown {
             if let Some(kind) = self.of_scene.remove(&scene)
                 && begun.contains(&scene)

@@ -114,7 +114,7 @@ impl Foresight {
         let planned: BTreeMap<u32, Option<String>> = match &plan {
             Some(plan) => sections_of(plan).map(|(scene, digest)| (scene, Some(digest))).collect(),
             // It was lost: whatever was made of scenes is there.
-            None => scenes_begun(store)?.into_iter().map(|scene| (scene, None)).collect(),
+            None => store::scenes_begun(store)?.into_iter().map(|scene| (scene, None)).collect(),
         };
         let stages = Graph::get().stages.iter().filter(|stage| stage.unit == UnitKind::Scene);
         let stages: Vec<&'static StageSpec> = stages.collect();
@@ -256,16 +256,6 @@ fn sections_of(plan: &Manifest) -> impl Iterator<Item = (u32, String)> {
         let scene = name.strip_prefix("scene/")?.parse().ok()?;
         (plan_section(scene) == *name).then(|| (scene, digest.clone()))
     })
-}
-
-/// Scenes of which something is done, whether a plan has them or not.
-///
-/// # Errors
-/// The store cannot be read.
-pub fn scenes_begun(store: &Store) -> Result<BTreeSet<u32>, StoreError> {
-    let keys = store.backend().list("scenes")?;
-    let scene = |key: &String| key.strip_prefix("scenes/")?.split_once("/_manifests/")?.0.parse().ok();
-    Ok(keys.iter().filter_map(scene).collect())
 }
 
 /// Why a manifest is not of the code of now.

@@ -24,7 +24,7 @@ mod views;
 pub use code_version::code_version;
 pub use editions::{EditionError, EditionWish, Editions, recorded as recorded_editions, rules_of_record};
 pub use error::{At, Place, StageError, report};
-pub use foresight::{Foresight, scenes_begun};
+pub use foresight::Foresight;
 pub use graph::{Graph, StageSpec, UnitKind};
 pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
 pub use options::{ProgressMode, SceneList, Shard, StageOptions};

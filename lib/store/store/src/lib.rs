@@ -41,7 +41,7 @@ pub use keys::Scope;
 pub use manifest::{Failure, MadeBy, Manifest, Output, Redo};
 pub use memory::Memory;
 pub use read::TableHead;
-pub use roster::{SceneKind, kind_names, scene_kinds};
+pub use roster::{SceneKind, kind_names, scene_kinds, scenes_begun};
 pub use shard::ShardStream;
 pub use verify::{Finding, Problem, Verification, verify};
 pub use write::{FileWriter, Finished, TableOptions, TableWriter};

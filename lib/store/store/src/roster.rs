@@ -1,4 +1,4 @@
-//! Of which kind the scenes of a store are.
+//! Which scenes a store has, and of which kind they are.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -53,6 +53,16 @@ pub fn kind_names(kinds: &BTreeMap<u32, SceneKind>) -> BTreeMap<u32, String> {
         edition.into_iter().chain(group).collect::<Vec<_>>().join(", ")
     };
     kinds.iter().map(|(scene, kind)| (*scene, name(kind))).collect()
+}
+
+/// Scenes of which something is done, whether a plan has them or not.
+///
+/// # Errors
+/// The store cannot be read.
+pub fn scenes_begun(store: &Store) -> Result<BTreeSet<u32>, StoreError> {
+    let keys = store.backend().list("scenes")?;
+    let scene = |key: &String| key.strip_prefix("scenes/")?.split_once("/_manifests/")?.0.parse().ok();
+    Ok(keys.iter().filter_map(scene).collect())
 }
 
 #[cfg(test)]

@@ -1,0 +1,70 @@
+//! A store that is joined with others.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use runner::Graph;
+use serde_json::Value;
+use store::{Manifest, SceneKind, Scope, Store, StoreError};
+
+/// Why stores cannot be joined.
+pub(super) enum Fault {
+    /// What the user can correct.
+    Refused(String),
+    Store(StoreError),
+    Stopped,
+}
+
+impl From<StoreError> for Fault {
+    fn from(e: StoreError) -> Self {
+        Self::Store(e)
+    }
+}
+
+/// A store that is joined, and its plan.
+#[derive(Clone)]
+pub(super) struct Member {
+    pub(super) store: Store,
+    pub(super) name: String,
+    pub(super) plan: Manifest,
+    /// The configurations that its scenes are made by, by edition.
+    pub(super) editions: Vec<Value>,
+    pub(super) kinds: BTreeMap<u32, SceneKind>,
+}
+
+impl Member {
+    /// None where there is no plan.
+    pub(super) fn open(place: &Path) -> Result<Option<Self>, Fault> {
+        let store = Store::open(place)?;
+        let Some(plan) = store.manifest(Scope::Plan, Graph::get().planner().name)? else { return Ok(None) };
+        let editions = runner::recorded_editions(&store)?;
+        let kinds = store::scene_kinds(&store)?;
+        Ok(Some(Self { store, name: place.display().to_string(), plan, editions, kinds }))
+    }
+
+    /// Scenes of which something is done.
+    pub(super) fn scenes(&self) -> Result<BTreeSet<u32>, StoreError> {
+        store::scenes_begun(&self.store)
+    }
+
+    /// What a scene is made by.
+    pub(super) fn rules(&self, scene: u32) -> Value {
+        let kind = self.kinds.get(&scene).cloned().unwrap_or_default();
+        let edition = self.editions.get(kind.edition as usize);
+        let mut rules = edition.map(runner::rules_of_record).unwrap_or_default();
+        // What its group says goes before what stands at the top; other groups are no matter of this scene's.
+        if let Some(rules) = rules.as_object_mut()
+            && let Some(Value::Array(groups)) = rules.remove("groups")
+            && let Some(Value::Object(group)) =
+                groups.into_iter().find(|group| group["name"] == kind.group.as_str())
+        {
+            rules.extend(group);
+        }
+        rules
+    }
+
+    /// Digest of a scene's plan, if it is planned.
+    pub(super) fn planned(&self, scene: u32) -> Option<&String> {
+        self.plan.sections.get(&format!("scene/{scene:04}"))
+    }
+}
