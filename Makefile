@@ -51,7 +51,7 @@ help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [REDO=1] [GROW=1]    (STORE: dataset for the demo, else the configuration's name)"
 	@echo "make forecast                      (same arguments: scenes, frames, bytes and hours to expect)"
 	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
-	@echo "make status | stats | verify        (same CONFIG and STORE)"
+	@echo "make status | stats | verify        (same CONFIG and STORE; status WHY='3 bev-gt': why a stage of a scene is so)"
 	@echo "make check [STORE=dataset] [SCENES=3,7-9] [EVERY=10]    (labels against each other; EVERY: some frames only)"
 	@echo "make export FORMAT=kitti|mcap|nuscenes|opv2v|v2x-real|simbev2x DEST=folder [STORE=dataset] [SCENES=] [SPLIT=] [ARGS=]    (docs/exports.md; ARGS=--dry-run first)"
 	@echo "make import SRC=folder [STORE=dataset] [SCENES=0,3-5] [ARGS=--dry-run]       (a dataset of SimBEV2X as a store: docs/import.md)"
@@ -89,7 +89,7 @@ stats: build
 
 # A table of scenes and stages (the program itself exits with 1 while something is not done).
 status: build
-	@$(BIN)/convoy status $(COMMON) $(SCENES_ARG) $(EDITION_ARG) || test $$? -eq 1
+	@$(BIN)/convoy status $(COMMON) $(SCENES_ARG) $(EDITION_ARG) $(if $(WHY),--why $(WHY)) || test $$? -eq 1
 
 # Hashes every shard again and names what is missing, truncated or changed.
 verify: build

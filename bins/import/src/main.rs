@@ -5,8 +5,8 @@ use std::process::ExitCode;
 use arguments::import::{Import, ImportArgs, ImportCommand};
 use clap::Parser;
 use import_core::{ImportError, ProgressWatch, Prospect, Selection, Source, import, prospect};
-use runner::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Programs, Progress, say};
-use store::Store;
+use runner::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Programs, Progress, StageError, say};
+use store::{Lock, Store};
 
 fn main() -> ExitCode {
     let ImportCommand::Simbev2x(args) = Import::parse().layout;
@@ -40,6 +40,7 @@ fn run(args: &ImportArgs) -> Result<u8, ImportError> {
     let programs = Programs::of_build(build_stamp::STAMP, Some("import"));
     let selection = Selection { scenes, force: args.force, made_by: Some(programs.made_by("import")) };
 
+    let _lock = if args.dry_run { None } else { hold(&store)? };
     let found = pool.install(|| prospect(&source, &store, &selection))?;
     announce(&found);
     if args.dry_run {
@@ -63,6 +64,15 @@ fn run(args: &ImportArgs) -> Result<u8, ImportError> {
         say(&format!("not made yet: {next}"));
     }
     Ok(if failed == 0 { EXIT_DONE } else { EXIT_SOME_FAILED })
+}
+
+/// Holds the store: an import writes the plan when it ends, and knows no scenes that others plan meanwhile.
+fn hold(store: &Store) -> Result<Option<Lock>, ImportError> {
+    runner::hold_alone(store, "import").map_err(|error| match error {
+        StageError::Store(error) => ImportError::Store(error),
+        StageError::Stopped => ImportError::Stopped,
+        error => ImportError::Refused(error.report()),
+    })
 }
 
 /// Says what there is to be imported.

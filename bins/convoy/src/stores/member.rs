@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use runner::Graph;
+use runner::{Graph, StageError};
 use serde_json::Value;
 use store::{Manifest, SceneKind, Scope, Store, StoreError};
 
@@ -12,12 +12,20 @@ pub(super) enum Fault {
     /// What the user can correct.
     Refused(String),
     Store(StoreError),
+    /// The store cannot be held.
+    Lock(StageError),
     Stopped,
 }
 
 impl From<StoreError> for Fault {
     fn from(e: StoreError) -> Self {
         Self::Store(e)
+    }
+}
+
+impl From<StageError> for Fault {
+    fn from(e: StageError) -> Self {
+        Self::Lock(e)
     }
 }
 
@@ -51,16 +59,8 @@ impl Member {
     pub(super) fn rules(&self, scene: u32) -> Value {
         let kind = self.kinds.get(&scene).cloned().unwrap_or_default();
         let edition = self.editions.get(kind.edition as usize);
-        let mut rules = edition.map(runner::rules_of_record).unwrap_or_default();
-        // What its group says goes before what stands at the top; other groups are no matter of this scene's.
-        if let Some(rules) = rules.as_object_mut()
-            && let Some(Value::Array(groups)) = rules.remove("groups")
-            && let Some(Value::Object(group)) =
-                groups.into_iter().find(|group| group["name"] == kind.group.as_str())
-        {
-            rules.extend(group);
-        }
-        rules
+        let rules = edition.map(runner::rules_of_record).unwrap_or_default();
+        runner::record_of_group(&rules, &kind.group)
     }
 
     /// Digest of a scene's plan, if it is planned.

@@ -41,6 +41,10 @@ pub(crate) fn merge(place: &Path, others: &[PathBuf], is_mixed: bool) -> u8 {
                 () => EXIT_SOME_FAILED,
             }
         }
+        Err(Fault::Lock(e)) => {
+            tracing::error!("{}", e.report());
+            e.exit_code()
+        }
         Err(Fault::Stopped) => {
             tracing::warn!("stopped; run the same command again to go on");
             EXIT_TRY_AGAIN
@@ -54,6 +58,7 @@ fn join(place: &Path, others: &[PathBuf], is_mixed: bool) -> Result<(), Fault> {
         Member::open(other)?.ok_or_else(none)
     };
     let others: Vec<Member> = others.iter().map(open).collect::<Result<_, _>>()?;
+    let _lock = runner::hold_alone(&Store::open(place)?, "convoy merge")?;
     let here = match Member::open(place)? {
         Some(here) => here,
         None => {
@@ -61,7 +66,7 @@ fn join(place: &Path, others: &[PathBuf], is_mixed: bool) -> Result<(), Fault> {
             let largest = others.iter().max_by_key(|other| other.plan.sections.len());
             let Some(largest) = largest else { return Ok(()) };
             let into = Store::open(place)?;
-            if !into.backend().list("")?.is_empty() {
+            if into.backend().list("")?.iter().any(|key| !keys::is_lock(key)) {
                 let why = "holds files, but no plan; give an empty folder, or a store of the same plan";
                 return Err(Fault::Refused(format!("{}: {why}", place.display())));
             }

@@ -4,6 +4,7 @@ mod member;
 mod merge;
 mod mixed;
 mod tidy;
+mod why;
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -85,6 +86,10 @@ pub(crate) enum StoreCommand {
         /// What a run with `--edition N` would find.
         #[arg(long, value_name = "N")]
         edition: Option<u32>,
+        /// Only why a stage of a scene is done, stale, missing or failed: the changed keys that it sees, what
+        /// it was made from, and the same of that, down to the plan.
+        #[arg(long, num_args = 2, value_names = ["SCENE", "STAGE"], conflicts_with = "scenes")]
+        why: Option<Vec<String>>,
     },
     /// Takes into a store all that other stores of the same plan have and it has not: scenes that were made
     /// on several machines.
@@ -100,8 +105,8 @@ pub(crate) enum StoreCommand {
         #[arg(required = true, value_name = "STORE")]
         from: Vec<PathBuf>,
     },
-    /// Removes tiles of the static world that no scene's log names: those of older code or other settings.
-    /// Not while a simulation runs.
+    /// Removes tiles of the static world that no scene's log names: those of older code or other settings, and
+    /// locks of the dead. Not while anything else works on the store.
     Tidy {
         /// The store: a folder, by its path or as file:///FOLDER.
         #[arg(long, value_name = "DIR")]
@@ -157,12 +162,23 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
             common.extend(["--progress".into(), progress.word().into()]);
             let of_planner = [("--redo", redo), ("--force", force)].into_iter().filter(|(_, wanted)| *wanted);
             let of_planner: Vec<&str> = of_planner.map(|(word, _)| word).collect();
-            run(&common, &of_planner, scenes.as_deref(), &store)
+            runner::listen_for_signals();
+            let lock = if dry_run { Ok(None) } else { runner::hold_for_all_stages(&config, &store) };
+            match lock {
+                Ok(_lock) => run(&common, &of_planner, scenes.as_deref(), &store),
+                Err(e) => {
+                    tracing::error!("{}", e.report());
+                    e.exit_code()
+                }
+            }
         }
-        StoreCommand::Status { config, store, scenes, grow, edition } => {
+        StoreCommand::Status { config, store, scenes, why, grow, edition } => {
             let programs = Programs::of_build(stamp, None);
-            let wish = arguments::stage::edition_wish(grow, edition);
-            status(&config, (&store, wish), scenes.as_ref(), &programs)
+            let place = (&*store, arguments::stage::edition_wish(grow, edition));
+            match why.as_deref() {
+                Some([scene, stage]) => why::why(&config, place, (scene, stage), &programs),
+                _ => status(&config, place, scenes.as_ref(), &programs),
+            }
         }
         StoreCommand::Merge { store, mixed, from } => merge::merge(&store, &from, mixed),
         StoreCommand::Tidy { store } => tidy::tidy(&store),
@@ -179,7 +195,6 @@ fn run(common: &[String], of_planner: &[&str], scenes: Option<&str>, store: &std
             return EXIT_SOME_FAILED;
         }
     };
-    runner::listen_for_signals();
     let mut worst = EXIT_DONE;
     let mut times = Vec::new();
     for stage in &Graph::get().stages {

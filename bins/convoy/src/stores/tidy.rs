@@ -3,23 +3,31 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use runner::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, say};
+use runner::{EXIT_DONE, StageError, hold_alone, say};
 use schema::scene_info::LOG_STAGE;
 use schema::tables::SceneTileRow;
 use store::{Scope, Store, StoreError, keys};
 
-/// Removes tiles that no scene's log names.
+/// Removes tiles that no scene's log names, and locks of the dead.
 pub(crate) fn tidy(store: &Path) -> u8 {
-    match Store::open_made(store).and_then(|store| remove_unused(&store)) {
+    runner::listen_for_signals();
+    match tidied(store) {
         Ok((tiles, bytes)) => {
             say(&format!("{tiles} tiles removed, {:.1} MB", bytes as f64 / 1e6));
             EXIT_DONE
         }
         Err(e) => {
-            tracing::error!("{e}");
-            if e.is_usage() { EXIT_USAGE } else { EXIT_SOME_FAILED }
+            tracing::error!("{}", e.report());
+            e.exit_code()
         }
     }
+}
+
+fn tidied(store: &Path) -> Result<(usize, u64), StageError> {
+    let store = Store::open_made(store)?;
+    // A simulation that runs may name tiles in a log that is not there yet.
+    let _lock = hold_alone(&store, "convoy tidy")?;
+    Ok(remove_unused(&store)?)
 }
 
 /// How many tiles were removed, and their bytes.

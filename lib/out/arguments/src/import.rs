@@ -13,7 +13,8 @@ use crate::stage::Progress;
     name = "import",
     version,
     after_help = "Exit codes: 0 done, 1 some scenes cannot be imported (each is listed; the others are kept), 2 bad arguments, no such \
-                  dataset, or a store of something else, 75 stopped by a signal or a full disk (run the same command again)."
+                  dataset, or a store of something else, 75 stopped by a signal or a full disk, or others work on \
+                  the store (run the same command again)."
 )]
 pub struct Import {
     /// The layout, with its options.

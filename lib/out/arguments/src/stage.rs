@@ -11,7 +11,8 @@ use runner::{EditionWish, ProgressMode, STAMP_LEN, SceneList, Shard, Stage, Stag
 #[command(
     version,
     after_help = "Exit codes: 0 done, 1 some scenes failed (each listed), 2 bad arguments or configuration, \
-                  75 stopped by a signal or a full disk (run the same command again)."
+                  75 stopped by a signal or a full disk, or another run holds the store (run the same command \
+                  again)."
 )]
 pub struct StageArgs {
     /// Dataset configuration (TOML, or YAML of SimBEV2X).

@@ -258,6 +258,21 @@ impl Editions {
         self.settings.get(&self.kind_of(scene)).unwrap_or_else(|| self.newest())
     }
 
+    /// The keys of a scope's settings (of a scene: those of its group in its edition) that have other values
+    /// than the store's record has; none where there is no record.
+    pub(crate) fn changes_of(&self, scope: Scope) -> Option<Vec<KeyChange>> {
+        let newest = || SceneKind { edition: (self.list.len() - 1) as u32, group: String::new() };
+        let kind = if let Scope::Scene(scene) = scope { self.kind_of(scene) } else { newest() };
+        let old = self.recorded.get(kind.edition as usize)?;
+        let new = written(self.list.get(kind.edition as usize)?);
+        match scope {
+            Scope::Scene(_) => {
+                Some(key_changes(&record_of_group(old, &kind.group), &record_of_group(&new, &kind.group)))
+            }
+            _ => Some(key_changes(old, &new)),
+        }
+    }
+
     /// The keys that have other values than the store's record has, and whether there are any (or there is no
     /// record). An added edition changes nothing.
     #[must_use]
@@ -310,6 +325,21 @@ fn read_back(record: &Value) -> Result<DatasetSettings, String> {
 /// What a configuration says of how scenes are made.
 fn rules_of(settings: &DatasetSettings) -> Value {
     rules_of_record(&written(settings))
+}
+
+/// The record of a configuration as it holds for a group: what its table says goes before what stands at the
+/// top. The empty name stands for scenes of no group.
+#[must_use]
+pub fn record_of_group(record: &Value, group: &str) -> Value {
+    let mut record = record.clone();
+    if let Some(record) = record.as_object_mut()
+        && let Some(Value::Array(groups)) = record.remove("groups")
+        && let Some(Value::Object(own)) = groups.into_iter().find(|table| table["name"] == group)
+    {
+        let besides = ["name", "scenes"];
+        record.extend(own.into_iter().filter(|(key, _)| !besides.contains(&key.as_str())));
+    }
+    record
 }
 
 /// What the record of a configuration says of how scenes are made: all but names, words and counts.

@@ -24,3 +24,8 @@ pub fn listen() {
 pub fn stopped() -> bool {
     STOP.load(Ordering::Relaxed)
 }
+
+/// Stops as if a signal had come.
+pub(crate) fn stop() {
+    STOP.store(true, Ordering::Relaxed);
+}

@@ -13,20 +13,26 @@ pub mod frames;
 mod graph;
 mod imported;
 mod interrupt;
+mod lock;
 mod options;
 mod output_file;
 mod programs;
 mod progress;
+mod question;
 mod runner;
 mod status;
 mod views;
+mod why;
 
 pub use code_version::code_version;
-pub use editions::{EditionError, EditionWish, Editions, recorded as recorded_editions, rules_of_record};
+pub use editions::{
+    EditionError, EditionWish, Editions, record_of_group, recorded as recorded_editions, rules_of_record,
+};
 pub use error::{At, Place, StageError, report};
 pub use foresight::Foresight;
 pub use graph::{Graph, StageSpec, UnitKind};
 pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
+pub use lock::{hold_alone, hold_for_all_stages};
 pub use options::{ProgressMode, SceneList, Shard, StageOptions};
 pub use output_file::OutputFile;
 pub use programs::{Programs, STAMP_LEN};
@@ -34,6 +40,7 @@ pub use progress::Progress;
 pub use runner::{Forecast, Job, Sections, Stage, init_logging, run_stage, say, settings_or_faults};
 pub use status::{NotReady, Staleness, State, StateError, Status, planned_scenes};
 pub use views::{StageSettings, ViewError, config_hash};
+pub use why::why;
 
 /// Exit code: everything was done.
 pub const EXIT_DONE: u8 = 0;
@@ -41,5 +48,6 @@ pub const EXIT_DONE: u8 = 0;
 pub const EXIT_SOME_FAILED: u8 = 1;
 /// Exit code: bad arguments or configuration.
 pub const EXIT_USAGE: u8 = 2;
-/// Exit code: stopped by a signal, or because the store cannot be written (a full disk); worth another try.
+/// Exit code: stopped by a signal, or because the store cannot be written (a full disk) or is held by others; worth
+/// another try.
 pub const EXIT_TRY_AGAIN: u8 = 75;

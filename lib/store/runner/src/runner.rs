@@ -1,7 +1,7 @@
 //! What every stage binary does around its work.
 
 use std::collections::BTreeMap;
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -19,11 +19,12 @@ use crate::imported::{self, is_imported};
 use crate::options::{ProgressMode, StageOptions};
 use crate::programs::{Programs, STAMP_LEN};
 use crate::progress::Progress;
+use crate::question::confirmed;
 use crate::status::{
     CodeRule, SOURCE, Staleness, State, Status, manifest_or_stale, plan_section, planned_scenes,
 };
 use crate::views::{StageSettings, ViewError, config_hash};
-use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, interrupt};
+use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, interrupt, lock};
 
 /// A stage: its work for one scope. Its name in `pipeline.toml` is that of the settings that it sees.
 #[derive(Clone, Copy)]
@@ -265,6 +266,11 @@ fn try_run<S: StageSettings>(
         let _ = rayon::ThreadPoolBuilder::new().num_threads((*threads).max(1)).build_global();
     }
     let store = Store::open(store)?;
+    // A place without a plan is left as it is by whoever needs one.
+    if !*dry_run && spec.unit == UnitKind::Scene && planned_scenes(&store)?.is_none() {
+        return Err(no_plan(&store));
+    }
+    let _lock = if *dry_run { None } else { lock::hold(&store, &settings, S::STAGE)? };
     let editions = Editions::of_store(&store, &settings, *edition)?;
     let run = Run {
         stage,
@@ -294,18 +300,9 @@ fn try_run<S: StageSettings>(
     run.all(&scopes)
 }
 
-/// Asks somebody at a terminal.
-fn confirmed(lines: &[String]) -> bool {
-    if !(std::io::stdin().is_terminal() && std::io::stderr().is_terminal()) {
-        return false;
-    }
-    let mut out = std::io::stderr();
-    let question = lines.iter().map(|line| format!("{line}\n")).collect::<String>();
-    let mut answer = String::new();
-    write!(out, "{question}finished work would be made again: do it? [y/N] ").is_ok()
-        && out.flush().is_ok()
-        && std::io::stdin().read_line(&mut answer).is_ok()
-        && matches!(answer.trim(), "y" | "Y" | "yes")
+fn no_plan(store: &Store) -> StageError {
+    let (place, planner) = (store.location(""), Graph::get().planner().name);
+    StageError::usage(format!("{place} holds no plan: run {planner} first"))
 }
 
 /// `dataset.json`.
@@ -347,10 +344,7 @@ impl<S: StageSettings> Run<'_, S> {
             UnitKind::Scene => {}
         }
         let planner = Graph::get().planner();
-        let Some(scenes) = planned_scenes(&self.store)? else {
-            let place = self.store.location("");
-            return Err(StageError::usage(format!("{place} holds no plan: run {} first", planner.name)));
-        };
+        let Some(scenes) = planned_scenes(&self.store)? else { return Err(no_plan(&self.store)) };
         if let Some(manifest) = self.store.manifest(Scope::Plan, planner.name)?
             && !is_imported(&manifest)
             && manifest.config_hash != config_hash(planner, &self.editions, Scope::Plan)?
@@ -451,7 +445,7 @@ impl<S: StageSettings> Run<'_, S> {
         let lines: Vec<String> = lines.chain(foresight.changed()).collect();
         let limit_s = self.editions.given().store.ask_beyond_s;
         let is_much = foresight.asks() && foresight.asked_s() >= limit_s;
-        if self.redo || !is_much || confirmed(&lines) {
+        if self.redo || !is_much || confirmed(&lines)? {
             lines.iter().for_each(|line| tracing::info!("{line}"));
             // What was agreed is not asked again, by whoever goes on with it.
             if foresight.asks() && self.spec.unit == UnitKind::Scene {

@@ -117,7 +117,7 @@ pub(crate) enum CodeRule {
 pub(crate) const SOURCE: &str = "source/";
 
 /// Stands for the digest of what is not done.
-const NOT_DONE: &str = "not done";
+pub(crate) const NOT_DONE: &str = "not done";
 
 /// Name of a scene's digest in the plan's manifest.
 pub(crate) fn plan_section(scene: u32) -> String {

@@ -12,10 +12,14 @@ use bytes::Bytes;
 
 use crate::backend::{Backend, Shard, Sink, Unfinished};
 use crate::error::StoreError;
+use crate::process::{host, is_running};
 
 const UNFINISHED: &str = ".tmp";
 /// What another host left unfinished is believed dead after this long without a write.
 const FOREIGN_DEAD: Duration = Duration::from_secs(24 * 3600);
+
+/// How often a folder is made anew that others remove as often.
+const TRIES: usize = 100;
 
 /// A folder. An object is written under another name, synced and renamed into place.
 #[derive(Debug)]
@@ -46,12 +50,24 @@ impl Disk {
             move |e| StoreError::write(path, action, e)
         };
         let folder = path.parent().unwrap_or(&self.root);
-        fs::create_dir_all(folder).map_err(error("make the folder of"))?;
         let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let number = self.next.fetch_add(1, Ordering::Relaxed);
         let unfinished = folder.join(format!(".{owner}~{name}~{}-{number}{UNFINISHED}", self.attempt));
-        let file =
-            OpenOptions::new().write(true).create_new(true).open(&unfinished).map_err(error("create"))?;
+        let mut tries = 0;
+        let file = loop {
+            match fs::create_dir_all(folder) {
+                Err(e) if e.kind() == io::ErrorKind::AlreadyExists && !folder.exists() && tries < TRIES => {
+                    tries += 1;
+                    continue;
+                }
+                made => made.map_err(error("make the folder of"))?,
+            }
+            match OpenOptions::new().write(true).create_new(true).open(&unfinished) {
+                // The folder went with the last object in it, which another process removed just now.
+                Err(e) if is_absent(&e) && tries < TRIES => tries += 1,
+                opened => break opened.map_err(error("create"))?,
+            }
+        };
         Ok(DiskSink { file: BufWriter::with_capacity(1 << 16, file), unfinished, path, committed: false })
     }
 
@@ -263,12 +279,6 @@ impl Disk {
     }
 }
 
-/// Name of this machine, without what separates the parts of an unfinished file's name.
-fn host() -> String {
-    let name = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
-    name.trim().replace(['~', '/'], "-")
-}
-
 /// The name of an unfinished file: `.owner~name~host~pid~time-number.tmp`.
 struct UnfinishedName {
     owner: String,
@@ -293,14 +303,6 @@ impl UnfinishedName {
         let age = fs::metadata(path).and_then(|m| m.modified()).map(|t| t.elapsed().unwrap_or_default());
         age.is_ok_and(|age| age > FOREIGN_DEAD)
     }
-}
-
-/// Whether a process of this machine still does anything. Where `/proc` does not tell, it counts as gone.
-fn is_running(pid: u32) -> bool {
-    let Ok(stat) = fs::read_to_string(format!("/proc/{pid}/stat")) else { return false };
-    // `pid (name) state ...`; a name may hold brackets.
-    let state = stat.rsplit(") ").next().and_then(|rest| rest.chars().next());
-    !matches!(state, None | Some('Z' | 'X'))
 }
 
 fn is_absent(error: &io::Error) -> bool {

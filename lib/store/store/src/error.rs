@@ -2,6 +2,8 @@
 
 use std::io;
 
+use crate::holder::Holder;
+
 /// An error of the store, naming the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -74,6 +76,18 @@ pub enum StoreError {
         /// The manifest that both wanted to write.
         path: String,
     },
+    /// Somebody else works on the store, and the two do not go together.
+    #[error(
+        "{path}: held by {holder}; this is {work}: nothing was touched (run the same command again once that has ended, or give another --store)"
+    )]
+    Held {
+        /// The place.
+        path: String,
+        /// Who.
+        holder: Box<Holder>,
+        /// What was to be done instead.
+        work: String,
+    },
     /// There is nothing.
     #[error(
         "{path} is no store: it has neither dataset.json nor a plan (`make dataset STORE=...` makes one)"
@@ -142,7 +156,7 @@ impl StoreError {
     #[must_use]
     pub fn is_transient(&self) -> bool {
         match self {
-            Self::Write { .. } | Self::Contested { .. } => true,
+            Self::Write { .. } | Self::Contested { .. } | Self::Held { .. } => true,
             Self::Read { source, .. } => {
                 matches!(source.kind(), io::ErrorKind::TimedOut | io::ErrorKind::StaleNetworkFileHandle)
             }

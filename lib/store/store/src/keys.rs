@@ -79,6 +79,8 @@ impl Scope {
     }
 }
 
+/// The folder of locks: who works on the store. They are nothing of the dataset.
+pub const LOCKS: &str = "_locks";
 /// Format version, resolved configuration, code version.
 pub const DATASET: &str = "dataset.json";
 /// Which scene has which number, split and map: what an expansion goes on from.
@@ -91,6 +93,12 @@ pub const PLAN_HAZARDS: &str = "plan/hazards.parquet";
 pub const PLAN_MODELS: &str = "plan/models.parquet";
 /// Planned agents.
 pub const PLAN_AGENTS: &str = "plan/agents.parquet";
+
+/// Whether an object is a lock, and nothing of the dataset.
+#[must_use]
+pub fn is_lock(key: &str) -> bool {
+    key.strip_prefix(LOCKS).is_some_and(|rest| rest.starts_with('/'))
+}
 
 /// A map, by name.
 #[must_use]

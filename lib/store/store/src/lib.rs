@@ -10,6 +10,7 @@
 //! * [`keys`]: the layout, one function per kind of file.
 //! * [`Manifest`], [`Attempt`], [`Unit`]: writing a stage's outputs.
 //! * [`Store::read_rows`], [`Store::row_groups`]: reading tables.
+//! * [`Lock`]: one plan at a time.
 //! * [`verify`]: re-hashing everything.
 
 mod adopt;
@@ -19,10 +20,13 @@ mod convert;
 mod disk;
 mod error;
 mod groups;
+mod holder;
 pub mod keys;
+mod lock;
 mod manifest;
 mod memory;
 mod place;
+mod process;
 mod read;
 mod roster;
 mod shard;
@@ -37,7 +41,9 @@ pub use backend::{Backend, Shard, Sink, Unfinished};
 pub use disk::Disk;
 pub use error::StoreError;
 pub use groups::RowGroups;
+pub use holder::Holder;
 pub use keys::Scope;
+pub use lock::{Lock, LockEvents, Pace, Work};
 pub use manifest::{Failure, MadeBy, Manifest, Output, Redo};
 pub use memory::Memory;
 pub use read::TableHead;

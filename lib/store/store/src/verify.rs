@@ -86,8 +86,12 @@ pub fn verify(
     expected: &[(Scope, &str)],
     mut on_shard: impl FnMut(&str),
 ) -> Result<Verification, StoreError> {
-    let mut result = Verification { unfinished: store.backend().unfinished("")?, ..Verification::default() };
-    let files = store.backend().list("")?;
+    let mut unfinished = store.backend().unfinished("")?;
+    unfinished.retain(|upload| upload.owner != keys::LOCKS);
+    let mut result = Verification { unfinished, ..Verification::default() };
+    let mut files = store.backend().list("")?;
+    // Who is at work is nothing of the dataset.
+    files.retain(|key| !keys::is_lock(key));
     let mut known = Known::default();
     for key in &files {
         match record_of(key) {

@@ -1,0 +1,133 @@
+//! One plan at a time: workers of one configuration share a store, others are refused.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use settings::DatasetSettings;
+use store::{Holder, Lock, LockEvents, Pace, Store, StoreError, Work};
+
+use crate::error::StageError;
+use crate::interrupt;
+
+/// By what workers share a store: a digest of their resolved configuration.
+fn key(settings: &DatasetSettings) -> Result<String, serde_json::Error> {
+    Ok(store::hash_bytes(&serde_json::to_vec(settings)?))
+}
+
+/// Holds a store while a program works on it by a configuration. A place that cannot be written at all is
+/// not held: nobody can change it.
+///
+/// # Errors
+/// Somebody works by another configuration, the store cannot be read or written, or a signal came.
+pub(crate) fn hold(
+    store: &Store,
+    settings: &DatasetSettings,
+    program: &str,
+) -> Result<Option<Lock>, StageError> {
+    let key = key(settings).map_err(StageError::usage)?;
+    let digest: String = key.chars().take(8).collect();
+    let name = format!("{program} of `{}`, configuration {digest}", settings.name);
+    held(store, &Work { key, name })
+}
+
+/// Holds a store while all stages are run, one after the other. Where there is no configuration or no store,
+/// nothing is held, and the first stage says why.
+///
+/// # Errors
+/// Somebody works by another configuration, the store cannot be read or written, or a signal came.
+pub fn hold_for_all_stages(config: &Path, store: &Path) -> Result<Option<Lock>, StageError> {
+    let (Ok((settings, _)), Ok(store)) = (settings::load(config), Store::open(store)) else {
+        return Ok(None);
+    };
+    hold(&store, &settings, "convoy run")
+}
+
+/// Holds a store for work that goes together with no other.
+///
+/// # Errors
+/// Somebody works on it, it cannot be read or written, or a signal came.
+pub fn hold_alone(store: &Store, program: &str) -> Result<Option<Lock>, StageError> {
+    held(store, &Work::alone(program))
+}
+
+fn held(store: &Store, work: &Work) -> Result<Option<Lock>, StageError> {
+    use std::io::ErrorKind::{PermissionDenied, ReadOnlyFilesystem};
+    // A process has one lock: what it finds unfinished is of others that were killed, and harms nobody.
+    let _ = Lock::sweep(store);
+    match Lock::hold(store, work, Pace::default(), Arc::new(Teller)) {
+        Ok(lock) => Ok(Some(lock)),
+        Err(_) if interrupt::stopped() => Err(StageError::Stopped),
+        Err(StoreError::Write { source, .. })
+            if matches!(source.kind(), PermissionDenied | ReadOnlyFilesystem) =>
+        {
+            Ok(None)
+        }
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Tells of locks, and stops the work when the lock is lost.
+struct Teller;
+
+impl LockEvents for Teller {
+    fn is_stopped(&self) -> bool {
+        interrupt::stopped()
+    }
+
+    fn watches(&self, holder: &Holder) {
+        tracing::info!("waits to see whether this one still works on the store: {holder}");
+    }
+
+    fn takes_over(&self, from: &[Holder]) {
+        if let Some((first, others)) = from.split_first() {
+            let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
+            tracing::warn!("takes over the store from {first}{more}: ended without a word");
+        }
+    }
+
+    fn is_lost(&self, to: &Holder) {
+        tracing::error!("nothing was heard from this process for a while, and the store went to {to}: stops");
+        interrupt::stop();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::views::example_settings;
+
+    #[test]
+    fn workers_share_by_all_that_makes_the_dataset() {
+        let settings = example_settings();
+        let same = |change: fn(&mut DatasetSettings)| {
+            let mut other = settings.clone();
+            change(&mut other);
+            key(&settings).expect("is JSON") == key(&other).expect("is JSON")
+        };
+        assert!(same(|_| ()));
+        // How the store is kept is nothing of the dataset.
+        assert!(same(|s| s.store.ask_beyond_s = 1.0));
+        assert!(!same(|s| s.name = "other".into()));
+        assert!(!same(|s| s.tracks.future_s = 3.0));
+        assert!(!same(|s| s.scenes.clear()));
+    }
+
+    #[test]
+    fn a_held_store_is_worth_another_try() {
+        let store = Store::open("memory:").expect("is a place");
+        let settings = example_settings();
+        let mut other = settings.clone();
+        other.seed += 1;
+        let lock = hold(&store, &settings, "bev-gt").expect("is free");
+        hold(&store, &settings, "stats").expect("shares");
+        let refused = hold(&store, &other, "bev-gt").expect_err("is held");
+        assert_eq!(refused.exit_code(), crate::EXIT_TRY_AGAIN);
+        assert!(refused.report().contains("(bev-gt of `dataset`, configuration "), "{}", refused.report());
+        assert!(hold_alone(&store, "convoy tidy").is_err());
+        drop(lock);
+        let alone = hold_alone(&store, "convoy tidy").expect("is free");
+        assert!(hold(&store, &other, "bev-gt").is_err());
+        drop(alone);
+        hold(&store, &other, "bev-gt").expect("is free");
+    }
+}

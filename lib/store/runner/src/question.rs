@@ -1,0 +1,47 @@
+//! A question to somebody at a terminal.
+
+use std::io::{IsTerminal, Write};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use crate::error::StageError;
+use crate::interrupt;
+
+/// How soon a signal ends the wait.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// Asks whether finished work is to be made again, which some lines tell of. Where nobody is at a terminal the
+/// answer is no.
+///
+/// # Errors
+/// A signal came instead of an answer.
+pub(crate) fn confirmed(lines: &[String]) -> Result<bool, StageError> {
+    if !(std::io::stdin().is_terminal() && std::io::stderr().is_terminal()) {
+        return Ok(false);
+    }
+    let mut out = std::io::stderr();
+    let question = lines.iter().map(|line| format!("{line}\n")).collect::<String>();
+    let asked = write!(out, "{question}finished work would be made again: do it? [y/N] ");
+    if asked.and_then(|()| out.flush()).is_err() {
+        return Ok(false);
+    }
+    // Reading goes on after a signal: it waits in a thread of its own, which ends with the process.
+    let (answers, answered) = channel();
+    std::thread::spawn(move || {
+        let mut answer = String::new();
+        let read = std::io::stdin().read_line(&mut answer);
+        let _ = answers.send(read.is_ok() && matches!(answer.trim(), "y" | "Y" | "yes"));
+    });
+    loop {
+        match answered.recv_timeout(LOOK_EVERY) {
+            Ok(answer) => return Ok(answer),
+            Err(RecvTimeoutError::Disconnected) => return Ok(false),
+            Err(RecvTimeoutError::Timeout) if interrupt::stopped() => {
+                // The line of the question ends here.
+                let _ = writeln!(out);
+                return Err(StageError::Stopped);
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+    }
+}
