@@ -9,6 +9,7 @@ use crate::road::net::Net;
 use crate::swept_path::Gaps;
 use crate::vehicle::Vehicle;
 use crate::vehicle::attention::{Class, Sight};
+use schema::FRAME_PERIOD_S;
 
 /// Gap to a walker on the road, metres.
 const WALKER_GAP_M: f64 = 2.0;
@@ -18,6 +19,8 @@ const TOUCHING_GAP_M: f64 = 0.6;
 const LINE_GAP_M: f64 = 0.2;
 /// Braking for a place to pull out behind a wreck, m/s2: a vehicle that needs more stops nearer to it.
 const FIRM_BRAKING: f64 = 4.0;
+/// Braking for a bend ahead, m/s2, of those who see it too late to brake as planned.
+const BEND_BRAKING: f64 = 3.5;
 /// Time gap that drivers keep there, seconds.
 const LINE_HEADWAY_S: f64 = 0.6;
 /// Gap to the rear of a vehicle that is being passed, metres, and free space beside it.
@@ -140,11 +143,14 @@ pub(crate) fn wished_acceleration(
     let sight = |class: Class| vehicle.driver().sight(class);
     let (of_vehicles, of_walkers) = (sight(Class::Vehicles), sight(Class::Walkers));
     let of_line = approach.line.map_or(Sight::Sees, |(_, class)| sight(class));
-    let lane_mps = vehicle.wished_speed(net);
+    let [limit_mps, bend_mps] = vehicle.wished_speeds(net);
+    let lane_mps = limit_mps.min(bend_mps).max(0.1);
     let wished = lane_mps.min(approach.cap_mps).max(0.1);
     let seen = idm.free(speed, wished);
     let careless = if of_line == Sight::Blinks { idm.free(speed, lane_mps.max(0.1)) } else { seen };
     let mut wish = DesiredAcceleration { seen, careless };
+    // The model alone would still be too fast when the bend begins.
+    wish.limit(Sight::Sees, ((bend_mps - speed) / FRAME_PERIOD_S).max(-BEND_BRAKING));
     let behind = Follower { net, occupancy, vehicles, me, idm, speed, wished };
     behind.vehicles(of_vehicles, &mut wish);
     behind.walkers(of_walkers, &mut wish);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use catalogue::{models, trains};
+use catalogue::{Special, models, trains};
 use frames::math::sin_cos;
 use nalgebra::Point3;
 use opendrive::{LaneHit, LanePos, Map};
@@ -78,6 +78,8 @@ pub(crate) struct Body {
     pub(crate) towed_by: Option<u16>,
     /// On a bench.
     pub(crate) sits: bool,
+    /// A wheelchair or a pram.
+    pub(crate) rolls: bool,
     /// Collects data: those far from all of these sleep.
     pub(crate) is_agent: bool,
     /// First state at which it touches another vehicle or a walker, if it ever does.
@@ -176,6 +178,7 @@ impl<'a> Film<'a> {
                         towed_by: actor.parent.and_then(|id| u16::try_from(id).ok()),
                         is_agent: kind == ActorKind::Vehicle && actor.role != ActorRole::Background,
                         ordinary: !unruly,
+                        rolls: matches!(model.special, Special::Wheelchair | Special::Pram),
                         sits: actor.attributes.is_true(&Attribute::SitsOnBench),
                         touched: None,
                         track,
@@ -187,6 +190,7 @@ impl<'a> Film<'a> {
         };
         let (vehicles, walkers) = (bodies(ActorKind::Vehicle), bodies(ActorKind::Walker));
         let states = vehicles.first().or(walkers.first()).map_or(0, |b| b.track.len());
+        let holds = holds(map, log, states);
         let standing = log.actors.iter().filter(|a| a.role == ActorRole::Hazard && a.kind != ActorKind::Sign);
         let obstacle = |a: &schema::tables::ActorRow| Obstacle {
             id: a.id,
@@ -194,7 +198,7 @@ impl<'a> Film<'a> {
             snap: Snap { at: a.xyz_m.into(), yaw_rad: yaw(a.quaternion), speed_mps: 0.0, lamps: 0 },
         };
         let obstacles = standing.map(obstacle).collect();
-        Self { map, vehicles, walkers, obstacles, holds: holds(map, log), leaps: leaps(map), states }
+        Self { map, vehicles, walkers, obstacles, holds, leaps: leaps(map), states }
     }
 
     /// Whether a vehicle is so far from all agents that it sleeps.
@@ -293,11 +297,16 @@ fn leaps(map: &Map) -> Vec<(Point3<f64>, f64)> {
     found
 }
 
-/// Lights, and stop and yield signs, with where they hold traffic.
-fn holds(map: &Map, log: &SimulationLog) -> Vec<Hold> {
+/// Lights, and stop and yield signs, with where they hold traffic. A signal may have several heads, each with
+/// rows of its own.
+fn holds(map: &Map, log: &SimulationLog, count: usize) -> Vec<Hold> {
     let mut states: BTreeMap<&str, Vec<u8>> = BTreeMap::new();
     for row in &log.signals {
-        states.entry(&row.opendrive_id).or_default().push(row.state.name().as_bytes()[0]);
+        let shown = states.entry(&row.opendrive_id).or_insert_with(|| vec![b'?'; count]);
+        // The first state is that of frame -1.
+        if let Some(shown) = usize::try_from(row.frame + 1).ok().and_then(|i| shown.get_mut(i)) {
+            *shown = row.state.name().as_bytes()[0];
+        }
     }
     let lines = |signal: usize| -> Vec<(LanePos, Snap)> {
         let places = map.stop_points(signal).into_iter();

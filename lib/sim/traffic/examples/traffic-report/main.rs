@@ -11,6 +11,7 @@ mod common;
 mod film;
 mod lights;
 mod motion;
+mod people;
 mod scenes;
 mod standing;
 mod things;
@@ -23,6 +24,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::film::{Film, Snap};
+use crate::people::{Moves, People};
 use crate::scenes::{Plan, plans};
 
 /// Everything measured of one scene.
@@ -33,6 +35,7 @@ struct Report {
     touching: touching::Touching,
     lights: lights::Lights,
     motion: motion::Motion,
+    people: people::People,
     standing: standing::Standing,
     inside: things::Things,
 }
@@ -54,6 +57,7 @@ fn watch(plan: &Plan, dump: Option<&Path>) -> Report {
         touching,
         lights: lights::measure(&film),
         motion: motion::measure(&film),
+        people: people::measure(&film),
         standing: standing::measure(&film),
         inside: things::measure(&film, &fixed),
     }
@@ -142,6 +146,7 @@ fn print(reports: &[Report], faults: bool) {
     print_scenes(reports);
     print_counts(reports);
     print_motion(reports);
+    print_people(reports);
     print_standing(reports);
     if faults {
         reports.iter().for_each(print_faults);
@@ -201,12 +206,9 @@ fn print_motion(reports: &[Report]) {
     let mut a = all(|r| &r.motion.acceleration);
     let shares = [0.0, 0.001, 0.01, 0.99, 1.0].map(|s| format!("{:.2}", quantile(&mut a, s)));
     println!("| acceleration: least, 0.1 %, 1 %, 99 %, most, m/s2 | {} |", shares.join(", "));
-    let mut a = all(|r| &r.motion.sideways);
-    println!(
-        "| sideways acceleration: 99 %, most, m/s2 | {:.2}, {:.2} |",
-        quantile(&mut a, 0.99),
-        quantile(&mut a, 1.0)
-    );
+    println!("| sideways acceleration, m/s2: {HIGH} | {} |", high(all(|r| &r.motion.sideways)));
+    let jerk = all(|r| &r.motion.jerk).into_iter().map(f64::abs).collect();
+    println!("| jerk over half a second, m/s3: {HIGH} | {} |", high(jerk));
     let mut v = all(|r| &r.motion.free_flow);
     println!(
         "| speed over limit in free flow: 5 %, mean, 95 % of {} | {:.2}, {:.2}, {:.2} |",
@@ -238,6 +240,34 @@ fn print_motion(reports: &[Report]) {
     println!("| lane changes | {} |", reports.iter().map(|r| r.motion.lane_changes).sum::<usize>());
 }
 
+/// What [`high`] tells.
+const HIGH: &str = "50 %, 99 %, 99.9 %, most";
+
+/// The middle and the upper end of some values.
+fn high(mut values: Vec<f64>) -> String {
+    [0.5, 0.99, 0.999, 1.0].map(|s| format!("{:.2}", quantile(&mut values, s))).join(", ")
+}
+
+/// How people moved in all scenes.
+fn print_people(reports: &[Report]) {
+    type Kind = fn(&People) -> &Moves;
+    let kinds: [(&str, Kind); 2] = [("on foot", |p| &p.on_foot), ("wheelchairs, prams", |p| &p.rolling)];
+    for (name, kind) in kinds {
+        let all = |of: fn(&Moves) -> &Vec<f64>| -> String {
+            high(reports.iter().flat_map(|r| of(kind(&r.people))).copied().collect())
+        };
+        println!("| {name}: speed of those who walk, m/s: {HIGH} | {} |", all(|m| &m.speed_mps));
+        println!(
+            "| {name}: turning while standing, degrees/s: {HIGH} | {} |",
+            all(|m| &m.turn_standing_degps)
+        );
+        println!("| {name}: turning while walking, degrees/s: {HIGH} | {} |", all(|m| &m.turn_walking_degps));
+        println!("| {name}: acceleration, m/s2: {HIGH} | {} |", all(|m| &m.acceleration));
+        println!("| {name}: acceleration upwards, m/s2: {HIGH} | {} |", all(|m| &m.upwards));
+        println!("| {name}: share of the speed that is sideways: {HIGH} | {} |", all(|m| &m.aside));
+    }
+}
+
 /// Why vehicles stood in all scenes.
 fn print_standing(reports: &[Report]) {
     let mut reasons = std::collections::BTreeMap::new();
@@ -258,6 +288,10 @@ fn print_faults(r: &Report) {
     );
     println!("  walkers in things {:?}, drivers {:?}", r.inside.walkers, r.inside.vehicles);
     println!("  braking {:?}, offset {:?}", r.motion.worst_braking, r.motion.worst_offset);
+    println!("  sideways {:?}", r.motion.worst_sideways);
+    for moves in [&r.people.on_foot, &r.people.rolling] {
+        println!("  acceleration {:?}, turn {:?}", moves.worst_acceleration, moves.worst_turn);
+    }
     println!("  longest {:?}, gridlock {:?}", r.standing.longest, r.standing.gridlock);
     let mut ids: Vec<(u16, usize)> = r.standing.faults.iter().map(|(i, id)| (*id, *i)).collect();
     ids.sort_unstable();

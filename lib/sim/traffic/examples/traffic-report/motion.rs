@@ -20,13 +20,18 @@ const CHANGING_M: f64 = 0.25;
 /// each metre.
 const LEAP_M_PER_M: f64 = 4.0;
 
+/// States over which jerk is told (half a second).
+const JERK_STATES: usize = 10;
+
 /// Figures of ordinary drivers who never crashed.
 #[derive(Debug, Default)]
 pub(crate) struct Motion {
     /// Along the heading, m/s2.
     pub(crate) acceleration: Vec<f64>,
-    /// Speed times yaw rate, m/s2.
+    /// Across the heading, of the middle of the footprint, m/s2.
     pub(crate) sideways: Vec<f64>,
+    /// Change of the acceleration along the heading over half a second, m/s3.
+    pub(crate) jerk: Vec<f64>,
     /// Speed over the limit in free flow.
     pub(crate) free_flow: Vec<f64>,
     /// From the middle of the lane, metres, outside lane changes.
@@ -35,6 +40,8 @@ pub(crate) struct Motion {
     pub(crate) worst_offset: Option<(f64, usize, u16)>,
     /// Strongest braking: state, vehicle.
     pub(crate) worst_braking: Option<(f64, usize, u16)>,
+    /// Strongest acceleration sideways: state, vehicle.
+    pub(crate) worst_sideways: Option<(f64, usize, u16)>,
     /// Sideways speed of the rear axle's middle, m/s.
     pub(crate) slide_mps: Vec<f64>,
     pub(crate) lane_changes: usize,
@@ -57,19 +64,37 @@ fn forces(body: &Body, end: usize, motion: &mut Motion) {
         let half = 0.5 * body.wheelbase_m;
         [snap.at.x - half * cos, snap.at.y - half * sin]
     };
+    let accelerations: Vec<f64> =
+        (1..end).map(|i| (body.track[i].speed_mps - body.track[i - 1].speed_mps) / DT).collect();
+    let changes = accelerations.iter().zip(accelerations.iter().skip(JERK_STATES));
+    motion.jerk.extend(changes.map(|(a, b)| (b - a) / (JERK_STATES as f64 * DT)));
+    for i in 2..end {
+        let sideways = across(body, i).abs();
+        motion.sideways.push(sideways);
+        if motion.worst_sideways.is_none_or(|w| sideways > w.0) {
+            motion.worst_sideways = Some((sideways, i, body.id));
+        }
+    }
     for i in 1..end {
         let (a, b) = (&body.track[i - 1], &body.track[i]);
         let turn = frames::wrap_pi(b.yaw_rad - a.yaw_rad);
-        let acceleration = (b.speed_mps - a.speed_mps) / DT;
+        let acceleration = accelerations[i - 1];
         if motion.worst_braking.is_none_or(|w| acceleration < w.0) {
             motion.worst_braking = Some((acceleration, i, body.id));
         }
         motion.acceleration.push(acceleration);
-        motion.sideways.push((b.speed_mps * turn / DT).abs());
         let ([x0, y0], [x1, y1]) = (rear(i - 1), rear(i));
         let (sin, cos) = sin_cos(a.yaw_rad + 0.5 * turn);
         motion.slide_mps.push((((y1 - y0) * cos - (x1 - x0) * sin) / DT).abs());
     }
+}
+
+/// How much a body's velocity changes across its heading, from its places at three states, m/s2.
+fn across(body: &Body, i: usize) -> f64 {
+    let [a, b, c] = [i - 2, i - 1, i].map(|k| body.track[k].at);
+    let change = (c - b) - (b - a);
+    let (sin, cos) = sin_cos(body.track[i - 1].yaw_rad);
+    (change.y * cos - change.x * sin) / (DT * DT)
 }
 
 fn on_lanes(film: &Film<'_>, body: &Body, end: usize, motion: &mut Motion) {

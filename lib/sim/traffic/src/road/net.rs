@@ -6,7 +6,7 @@ use nalgebra::Point3;
 use opendrive::{LaneId, LaneInfo, Map, VEHICLE_LANE_WIDTH_M};
 
 use crate::car_following::envelope;
-use crate::road::centreline::{Centreline, heading};
+use crate::road::centreline::{Centreline, Sample, heading};
 use crate::road::links::{join_ends, links};
 use crate::road::sides::{Beside, Side, beside};
 
@@ -14,6 +14,10 @@ use crate::road::sides::{Beside, Side, beside};
 const DEFAULT_LIMIT_MPS: f64 = 50.0 / 3.6;
 /// Sideways acceleration that drivers accept in curves, m/s2.
 const CURVE_ACCELERATION: f64 = 3.0;
+/// Ways that turn by less are straight, radians per metre.
+const STRAIGHT: f64 = 1e-4;
+/// Nobody goes slower for a bend, m/s.
+const SLOWEST_MPS: f64 = 1.5;
 /// Braking before curves and lower limits, m/s2.
 pub(crate) const PLANNED_BRAKING: f64 = 2.0;
 /// Centre lines nearer than this cannot be driven at the same time by any two vehicles, metres.
@@ -89,6 +93,8 @@ pub(crate) struct Lane {
     pub(crate) beside: [Option<Beside>; 2],
     /// Per sample: highest speed from which all curves ahead on this lane are taken comfortably, m/s.
     pub(crate) curve_mps: Vec<f64>,
+    /// From each sample to the next one: turn per metre to the left, radians.
+    curvature: Vec<f64>,
     /// Lanes that begin where this one does, with how far the two overlap, metres.
     pub(crate) diverging: Vec<(usize, f64)>,
     /// Lanes outside junctions that end where this one does, with how far before the end the two overlap,
@@ -151,7 +157,8 @@ impl Net {
                 stop_sign |= signal.kind == "206";
                 yield_sign |= signal.kind == "205";
             }
-            let curve_mps = curve_speeds(&way);
+            let curvature = curvatures(&way);
+            let curve_mps = curve_speeds(&way, &curvature);
             let turn = way_turn(&way);
             let (radius_m, swing_radius_m) = (tightest_radius(&way), swing_radius(&way));
             // All lanes of a bend, however wide and long the outer one's.
@@ -171,6 +178,7 @@ impl Net {
                 previous,
                 beside,
                 curve_mps,
+                curvature,
                 diverging: Vec::new(),
                 merging: Vec::new(),
                 conflicts: Vec::new(),
@@ -347,14 +355,24 @@ impl Net {
     pub(crate) fn curve_speed(&self, lane: usize, along_m: f64) -> f64 {
         let lane = &self.lanes[lane];
         let i = lane.centre.index(along_m.clamp(0.0, lane.centre.length_m));
-        let after = lane.centre.samples[i + 1].along_m - along_m;
-        // The envelope of the next sample, carried back; the sample before holds where it is lower.
-        lane.curve_mps[i].max(lane.curve_mps[i + 1]).min(envelope(
+        let after_m = lane.centre.samples[i + 1].along_m - along_m;
+        bend_speed(lane.curvature[i], CURVE_ACCELERATION).min(envelope(
             lane.curve_mps[i + 1],
-            after,
+            after_m,
             PLANNED_BRAKING,
         ))
     }
+
+    /// Turn per metre to the left at a place of a lane, radians.
+    pub(crate) fn curvature(&self, lane: usize, along_m: f64) -> f64 {
+        let lane = &self.lanes[lane];
+        lane.curvature[lane.centre.index(along_m.clamp(0.0, lane.centre.length_m))]
+    }
+}
+
+/// Speed at which a bend asks for a sideways acceleration, m/s.
+pub(crate) fn bend_speed(curvature: f64, acceleration_mps2: f64) -> f64 {
+    (acceleration_mps2 / curvature.abs().max(STRAIGHT)).sqrt().max(SLOWEST_MPS)
 }
 
 /// Adds all ordered pairs of different members.
@@ -415,27 +433,29 @@ fn overlap(a: &Centreline, b: &Centreline) -> Overlap {
     found
 }
 
+/// Turn per metre to the left from each sample of a way to the next one, radians.
+fn curvatures(way: &Centreline) -> Vec<f64> {
+    let turn = |w: &[Sample]| frames::wrap_pi(heading(&w[1].tangent) - heading(&w[0].tangent));
+    way.samples.windows(2).map(|w| turn(w) / (w[1].along_m - w[0].along_m)).collect()
+}
+
 /// Speed envelope of a way's curves, per sample.
-fn curve_speeds(way: &Centreline) -> Vec<f64> {
+fn curve_speeds(way: &Centreline, curvature: &[f64]) -> Vec<f64> {
     let samples = &way.samples;
-    let mut speeds: Vec<f64> = (0..samples.len())
-        .map(|i| {
-            let (a, b) = (&samples[i.saturating_sub(1)], &samples[(i + 1).min(samples.len() - 1)]);
-            let turn = frames::wrap_pi(heading(&b.tangent) - heading(&a.tangent)).abs();
-            let curvature = turn / (b.along_m - a.along_m);
-            (CURVE_ACCELERATION / curvature.max(1e-4)).sqrt().max(1.5)
-        })
-        .collect();
-    for i in (0..samples.len() - 1).rev() {
-        let step = samples[i + 1].along_m - samples[i].along_m;
-        speeds[i] = speeds[i].min(envelope(speeds[i + 1], step, PLANNED_BRAKING));
+    let on_m = |i: usize| samples[i + 1].along_m - samples[i].along_m;
+    let speed = |i: usize| bend_speed(curvature[i], CURVE_ACCELERATION);
+    let last = curvature.len();
+    let mut speeds = vec![speed(last - 1); last + 1];
+    for i in (0..last).rev() {
+        let slowest = speed(i).min(speed(i.saturating_sub(1)));
+        speeds[i] = slowest.min(envelope(speeds[i + 1], on_m(i), PLANNED_BRAKING));
     }
     speeds
 }
 
 /// The smallest radius over any two steps of a way, metres.
 fn tightest_radius(way: &Centreline) -> f64 {
-    let radius = |w: &[crate::road::centreline::Sample]| {
+    let radius = |w: &[Sample]| {
         let turn = frames::wrap_pi(heading(&w[2].tangent) - heading(&w[0].tangent)).abs();
         (w[2].along_m - w[0].along_m) / turn.max(1e-9)
     };
@@ -444,7 +464,7 @@ fn tightest_radius(way: &Centreline) -> f64 {
 
 /// The smallest radius over [`SWING_M`] of a way, metres.
 fn swing_radius(way: &Centreline) -> f64 {
-    let turn = |(i, from): (usize, &crate::road::centreline::Sample)| {
+    let turn = |(i, from): (usize, &Sample)| {
         let to = way.samples[i..].iter().find(|s| s.along_m >= from.along_m + SWING_M).or(way.samples.last());
         let turn = to.map_or(0.0, |to| frames::wrap_pi(heading(&to.tangent) - heading(&from.tangent)).abs());
         turn / to.map_or(SWING_M, |to| (to.along_m - from.along_m).max(SWING_M))

@@ -36,7 +36,7 @@ use self::towed::Towed;
 use crate::bodies::{Body, BodyMotion};
 use crate::car_following::envelope;
 use crate::road::kerbside::Kerbside;
-use crate::road::net::{Net, PLANNED_BRAKING};
+use crate::road::net::{Net, PLANNED_BRAKING, bend_speed};
 use crate::road::sides::Side;
 
 /// Bicycles go no faster, m/s.
@@ -57,6 +57,10 @@ const BACK_S: f64 = 2.5;
 const SHORTEST_ASIDE_M: f64 = 6.0;
 /// Nobody steers for less than this, metres.
 const ASIDE_M: f64 = 0.02;
+/// Sideways acceleration that drivers accept who change lanes or go aside, m/s2; their way is looked at in so
+/// many parts.
+const SWERVE_MPS2: f64 = 3.4;
+const SWERVE_PARTS: u32 = 10;
 /// Drivers stop this far before the end of a road, metres.
 const ROAD_END_M: f64 = 1.0;
 
@@ -276,7 +280,13 @@ impl Vehicle {
 
     /// The wished speed here: limits and curves, ahead too.
     pub(crate) fn wished_speed(&self, net: &Net) -> f64 {
-        let mut wished = f64::INFINITY;
+        let [limit, bend] = self.wished_speeds(net);
+        limit.min(bend).max(0.1)
+    }
+
+    /// The speeds wished for here for the sake of limits and of bends, ahead too.
+    pub(crate) fn wished_speeds(&self, net: &Net) -> [f64; 2] {
+        let mut wished = [f64::INFINITY, self.swerve_speed(net)];
         let view = self.view_m();
         for (lane, start) in self.lanes_ahead(net) {
             if start > view {
@@ -291,9 +301,26 @@ impl Vehicle {
                     envelope(net.lanes[lane].curve_mps[0], before, PLANNED_BRAKING),
                 )
             };
-            wished = wished.min(limit).min(curve);
+            wished = [wished[0].min(limit), wished[1].min(curve)];
         }
-        wished.max(0.1)
+        wished
+    }
+
+    /// The speed at which it changes lanes or goes aside at ease, in a bend too, m/s.
+    fn swerve_speed(&self, net: &Net) -> f64 {
+        let Some(rest_m) = self.lateral.rest_m() else { return f64::INFINITY };
+        let (mut lane, mut start_m) = (self.route.lane(), -self.route.along_m());
+        let mut ahead = self.lanes_ahead(net).peekable();
+        let mut least = f64::INFINITY;
+        for k in 0..=SWERVE_PARTS {
+            let on_m = rest_m * f64::from(k) / f64::from(SWERVE_PARTS);
+            while let Some(next) = ahead.next_if(|(_, start_m)| *start_m <= on_m) {
+                (lane, start_m) = next;
+            }
+            let bend = net.curvature(lane, on_m - start_m) + self.lateral.bend_after(on_m);
+            least = least.min(envelope(bend_speed(bend, SWERVE_MPS2), on_m, PLANNED_BRAKING));
+        }
+        least
     }
 }
 

@@ -22,11 +22,9 @@ const EXACT_M: f64 = 1e-5;
 const TRIALS: usize = 12;
 /// A vehicle that brakes and is slower than this stands, m/s.
 const STANDS_MPS: f64 = 0.004;
-/// Where ways meet less exactly than this, what is left wears off, metres; over how many seconds, and metres
-/// at least.
+/// Where ways meet less exactly than this, what is left wears off, metres, and radians.
 const SEAM_M: f64 = 1e-3;
-const WEARS_OFF_S: f64 = 1.0;
-const WEARS_OFF_M: f64 = 3.0;
+const SEAM_RAD: f64 = 1e-3;
 
 fn is_two_wheeled(model: &Model) -> bool {
     matches!(model.base, BaseType::Motorcycle | BaseType::Bicycle)
@@ -170,16 +168,20 @@ impl Motion {
         course.route.advance_to(self.along_after(course, from_m, step_m, from_m + step_m));
         while course.route.goes_on() && course.route.along_m() >= course.lane().length_m {
             let length_m = course.lane().length_m;
-            let reached = course.point_at(course.route.along_m()).point;
-            let end = course.point_at(length_m).point;
+            let reached = course.point_at(course.route.along_m());
+            let end = course.point_at(length_m);
             course.route.enter_next(course.net);
             from_m -= length_m;
             let along_m = course.route.along_m();
-            if (course.point_at(0.0).point - end).norm() < SEAM_M {
+            let start = course.point_at(0.0);
+            let turned_rad = frames::wrap_pi(start.heading_rad - end.heading_rad).abs();
+            if (start.point - end.point).norm() < SEAM_M && turned_rad < SEAM_RAD {
                 course.route.correct_to(self.along_after(course, from_m, step_m, along_m));
             } else {
-                let (along_m, left_m) = course.lane().cross_beyond(reached, along_m);
-                course.lateral.cross_seam(left_m, (WEARS_OFF_S * self.speed_mps).max(WEARS_OFF_M));
+                let (along_m, left_m) = course.lane().cross_beyond(reached.point, along_m);
+                let ahead_rad = course.lane().place_beyond(along_m).heading_rad;
+                let slope = frames::math::sin(frames::wrap_pi(reached.heading_rad - ahead_rad));
+                course.lateral.cross_seam([left_m, slope], self.speed_mps);
                 course.route.correct_to(along_m);
             }
             course.route.choose_turn_lane(course.net);
@@ -237,7 +239,7 @@ impl Motion {
         let point = Point3::new(body.x_m, body.y_m, self.at.point.z);
         let (along_m, left_m) = course.lane().cross_beyond(point, course.route.along_m());
         course.route.advance_to(along_m);
-        course.lateral.cross_seam(left_m, (WEARS_OFF_S * self.speed_mps).max(WEARS_OFF_M));
+        course.lateral.cross_seam([left_m, 0.0], self.speed_mps);
         self.at = course.point_at(along_m);
         self.yaw_rad = body.yaw_rad;
         let (sin, cos) = frames::math::sin_cos(self.yaw_rad);
