@@ -1,7 +1,7 @@
 //! The acceleration that a driver wishes for: behind leaders, before lines and walkers, beside those who are
 //! passed.
 
-use crate::car_following::{COMFORT_BRAKING, Idm};
+use crate::car_following::{COMFORT_BRAKING, Idm, braking_to_stop};
 use crate::junction::approach::Approach;
 use crate::lane_change::room_to_pull_out_m;
 use crate::occupancy::{Occupancy, is_stranded};
@@ -21,6 +21,8 @@ const LINE_GAP_M: f64 = 0.2;
 const FIRM_BRAKING: f64 = 4.0;
 /// Braking for a bend ahead, m/s2, of those who see it too late to brake as planned.
 const BEND_BRAKING: f64 = 3.5;
+/// Drivers brake before a place to stop at by so many times what is needed.
+const NEEDED: f64 = 1.2;
 /// Time gap that drivers keep there, seconds.
 const LINE_HEADWAY_S: f64 = 0.6;
 /// Gap to the rear of a vehicle that is being passed, metres, and free space beside it.
@@ -79,6 +81,14 @@ impl Follower<'_> {
     fn following(&self, gap_m: f64, ahead_mps: f64, standstill_gap_m: f64, headway_s: f64) -> f64 {
         let idm = Idm { standstill_gap_m, headway_s, ..self.idm };
         idm.following(self.speed, self.wished, gap_m, ahead_mps)
+    }
+
+    /// The wish before a place to stop at. The model brakes the harder the later it knows of it, up to three
+    /// times as hard as there is need for: drivers do so by a fifth.
+    fn stopping(&self, gap_m: f64) -> f64 {
+        let needed = NEEDED * braking_to_stop(self.speed, gap_m - 0.5 * self.speed * FRAME_PERIOD_S);
+        let wish = before_line(&self.idm).following(self.speed, self.wished, gap_m, 0.0);
+        wish.max(-needed.max(COMFORT_BRAKING))
     }
 
     /// Before other vehicles on the own lane, on the way to it, or beside while they are passed.
@@ -167,7 +177,7 @@ pub(crate) fn wished_acceleration(
     ];
     for (gap, sight) in ends {
         if let Some(gap) = gap {
-            wish.limit(sight, before_line(&idm).following(speed, wished, gap, 0.0));
+            wish.limit(sight, behind.stopping(gap));
         }
     }
     wish.acceleration_mps2()

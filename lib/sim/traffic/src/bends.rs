@@ -28,6 +28,8 @@ const BEFORE_M: f64 = 6.0;
 const STOP_M: f64 = 1.0;
 /// A vehicle that would have to brake harder than this goes, m/s2.
 const HARD_BRAKING: f64 = 5.0;
+/// A vehicle that is in a bend and slower than this may still wait there, m/s.
+const STANDING_MPS: f64 = 0.5;
 /// A vehicle that has waited this long goes first, steps (5 s).
 const PATIENCE_STEPS: u32 = 100;
 /// Bends nearer to each other than this and the vehicle's length are one for it, metres.
@@ -99,6 +101,33 @@ impl Bends {
         found
     }
 
+    /// Gives bends to those who are in them when a scene begins, before anybody else asks: the farther in, the
+    /// sooner. Those who would touch them there stand and wait, or roll so that they can stop.
+    pub(crate) fn start(&mut self, net: &Net, vehicles: &mut [Vehicle]) {
+        let asking = vehicles.iter().enumerate().map(|(me, vehicle)| (me, self.ahead(net, vehicle, me)));
+        let mut asking: Vec<(usize, Vec<Ahead>)> = asking.filter(|(_, ahead)| !ahead.is_empty()).collect();
+        asking.sort_by(|(_, a), (_, b)| a[0].gap_m.total_cmp(&b[0].gap_m));
+        for (me, ahead) in &asking {
+            let (speed, to_m) = (vehicles[*me].speed_mps(), ahead[0].gap_m - STOP_M);
+            if to_m > 0.0 && braking_to_stop(speed, to_m) < BRAKING {
+                continue;
+            }
+            if ahead.iter().all(|a| self.is_free(vehicles, *me, a)) {
+                self.hold(&vehicles[*me], *me, ahead);
+            } else {
+                vehicles[*me].roll(net, speed.min((2.0 * BRAKING * to_m.max(0.0)).sqrt()));
+            }
+        }
+    }
+
+    /// A vehicle holds bends until it is through.
+    fn hold(&mut self, vehicle: &Vehicle, me: usize, ahead: &[Ahead]) {
+        for a in ahead {
+            let until_m = vehicle.route().odometer_m() + a.end_m + vehicle.rear_m();
+            self.bends[a.bend].holders.push(Holder { vehicle: me, part: a.part, until_m });
+        }
+    }
+
     /// The gap from a vehicle's front to the bend before which it has to wait, for each vehicle, metres.
     pub(crate) fn serve(&mut self, net: &Net, vehicles: &[Vehicle]) -> Vec<Option<f64>> {
         for bend in &mut self.bends {
@@ -128,11 +157,9 @@ impl Bends {
         };
         let free = ahead.iter().all(|a| self.is_free(vehicles, me, a));
         let goes = braking_to_stop(speed, first.gap_m) > HARD_BRAKING && speed > 1.0;
-        if free || goes || first.gap_m < 0.0 || vehicle.driver().is_away(Class::Vehicles) {
-            for a in &ahead {
-                let until_m = vehicle.route().odometer_m() + a.end_m + vehicle.rear_m();
-                self.bends[a.bend].holders.push(Holder { vehicle: me, part: a.part, until_m });
-            }
+        let passes = first.gap_m < 0.0 && speed > STANDING_MPS;
+        if free || goes || passes || vehicle.driver().is_away(Class::Vehicles) {
+            self.hold(vehicle, me, &ahead);
             self.waited[me] = 0;
             return None;
         }

@@ -254,7 +254,10 @@ impl<'a> Simulation<'a> {
         };
         simulation.see_standing();
         if input.settings.traffic.moving_start {
-            set_rolling(&simulation.net, &mut simulation.occupancy, &mut simulation.vehicles);
+            let Self { net, occupancy, bends, vehicles, .. } = &mut simulation;
+            set_rolling(net, occupancy, bends, vehicles);
+        } else {
+            simulation.bends.start(&simulation.net, &mut simulation.vehicles);
         }
         simulation.remember();
         Ok(simulation)

@@ -2,7 +2,7 @@
 //! on real maps, judged by their logs alone. `make traffic-report`.
 //!
 //! Arguments: names of maps (`convoy/03`, `Town03`) to look at only these; `--seeds N` for scenes per map, or
-//! `--seeds 5-9` for those; `--faults` to list single faults; `--dump FOLDER` to write every track as CSV,
+//! `--seeds 5-9` for those; `--seconds N` for scenes as long as that; `--faults` to list single faults; `--dump FOLDER` to write every track as CSV,
 //! for drawing.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "it is a report")]
 
@@ -93,6 +93,7 @@ fn seeds_of(text: &str) -> Option<RangeInclusive<u64>> {
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let (mut seeds, mut faults, mut dump, mut wanted) = (1..=4, false, None, Vec::new());
+    let mut duration_s = scenes::DURATION_S;
     while let Some(word) = arguments.next() {
         match word.as_str() {
             "--seeds" => {
@@ -102,12 +103,19 @@ fn main() {
                     std::process::exit(2)
                 });
             }
+            "--seconds" => {
+                let seconds = arguments.next().and_then(|word| word.parse().ok());
+                duration_s = seconds.filter(|s| (1.0..=3600.0).contains(s)).unwrap_or_else(|| {
+                    eprintln!("--seconds wants a number of seconds from 1 to 3600");
+                    std::process::exit(2)
+                });
+            }
             "--faults" => faults = true,
             "--dump" => dump = arguments.next().map(PathBuf::from),
             _ => wanted.push(word),
         }
     }
-    let plans = plans(&wanted, &seeds);
+    let plans = plans(&wanted, &seeds, duration_s);
     let next = AtomicUsize::new(0);
     let reports: Vec<Mutex<Option<Report>>> = plans.iter().map(|_| Mutex::new(None)).collect();
     let threads = std::thread::available_parallelism().map_or(1, usize::from);

@@ -13,8 +13,8 @@ use crate::common::{
     agent, agents_on, as_planned, crossing, hazard, lights, queues_at_roundabout, roundabout, scene, settings,
 };
 
-/// Seconds that are watched.
-const DURATION_S: f64 = 90.0;
+/// Seconds that are watched, unless told otherwise.
+pub(crate) const DURATION_S: f64 = 90.0;
 /// Background vehicles and walkers wished for.
 const VEHICLES: i32 = 120;
 const WALKERS: u32 = 100;
@@ -40,13 +40,14 @@ const HAZARD_CLEAR_M: f64 = 30.0;
 pub(crate) struct Plan {
     map: String,
     seed: u64,
+    duration_s: f64,
 }
 
-pub(crate) fn plans(wanted: &[String], seeds: &RangeInclusive<u64>) -> Vec<Plan> {
+pub(crate) fn plans(wanted: &[String], seeds: &RangeInclusive<u64>, duration_s: f64) -> Vec<Plan> {
     let names = MAPS.iter().map(|m| (*m).to_owned());
     let names: Vec<String> = if wanted.is_empty() { names.collect() } else { wanted.to_vec() };
     let known = names.into_iter().filter(|name| load(name).is_some());
-    known.flat_map(|map| seeds.clone().map(move |seed| Plan { map: map.clone(), seed })).collect()
+    known.flat_map(|map| seeds.clone().map(move |seed| Plan { map: map.clone(), seed, duration_s })).collect()
 }
 
 fn load(name: &str) -> Option<Map> {
@@ -131,7 +132,7 @@ impl Plan {
     /// The map, the objects on it, and what happens.
     pub(crate) fn simulate(&self) -> (Map, Vec<ActorRow>, SimulationLog) {
         let map = load(&self.map).unwrap_or_else(|| crossing(true));
-        let mut scene = scene(DURATION_S);
+        let mut scene = scene(self.duration_s);
         scene.seed = 1000 + self.seed;
         let mut settings = settings();
         let queues = match self.map.as_str() {

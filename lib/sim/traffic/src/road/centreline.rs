@@ -242,6 +242,25 @@ impl Centreline {
     }
 }
 
+impl Centreline {
+    /// The sharpest turn per metre to the left from a sample to the next one, on the curve itself, radians.
+    pub(crate) fn sharpest(&self, index: usize) -> f64 {
+        let (a, b) = (&self.samples[index], &self.samples[index + 1]);
+        let (span, chord) = (b.along_m - a.along_m, b.point - a.point);
+        let curvature = |u: f64| {
+            let v = 1.0 - u;
+            let first = chord * (6.0 * u * v)
+                + (a.tangent * (v * (1.0 - 3.0 * u)) + b.tangent * (u * (3.0 * u - 2.0))) * span;
+            let second = chord * (6.0 - 12.0 * u)
+                + (a.tangent * (6.0 * u - 4.0) + b.tangent * (6.0 * u - 2.0)) * span;
+            let square = first.x * first.x + first.y * first.y;
+            (first.x * second.y - first.y * second.x) / (square * square.sqrt()).max(1e-9)
+        };
+        let parts = [0.0, 0.25, 0.5, 0.75, 1.0].map(curvature);
+        parts.into_iter().fold(0.0, |most: f64, k| if k.abs() > most.abs() { k } else { most })
+    }
+}
+
 /// Length of the way between two points with their directions of travel, metres: a circle's arc over its
 /// chord is half the turn over its sine.
 fn arc_m(from: (&Point3<f64>, &Vector3<f64>), to: (&Point3<f64>, &Vector3<f64>)) -> f64 {

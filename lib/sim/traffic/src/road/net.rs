@@ -93,7 +93,7 @@ pub(crate) struct Lane {
     pub(crate) beside: [Option<Beside>; 2],
     /// Per sample: highest speed from which all curves ahead on this lane are taken comfortably, m/s.
     pub(crate) curve_mps: Vec<f64>,
-    /// From each sample to the next one: turn per metre to the left, radians.
+    /// From each sample to the next one: sharpest turn per metre to the left, radians.
     curvature: Vec<f64>,
     /// Lanes that begin where this one does, with how far the two overlap, metres.
     pub(crate) diverging: Vec<(usize, f64)>,
@@ -157,7 +157,7 @@ impl Net {
                 stop_sign |= signal.kind == "206";
                 yield_sign |= signal.kind == "205";
             }
-            let curvature = curvatures(&way);
+            let curvature: Vec<f64> = (0..way.samples.len() - 1).map(|i| way.sharpest(i)).collect();
             let curve_mps = curve_speeds(&way, &curvature);
             let turn = way_turn(&way);
             let (radius_m, swing_radius_m) = (tightest_radius(&way), swing_radius(&way));
@@ -363,7 +363,7 @@ impl Net {
         ))
     }
 
-    /// Turn per metre to the left at a place of a lane, radians.
+    /// Sharpest turn per metre to the left around a place of a lane, radians.
     pub(crate) fn curvature(&self, lane: usize, along_m: f64) -> f64 {
         let lane = &self.lanes[lane];
         lane.curvature[lane.centre.index(along_m.clamp(0.0, lane.centre.length_m))]
@@ -431,12 +431,6 @@ fn overlap(a: &Centreline, b: &Centreline) -> Overlap {
         before = Some((sample.along_m, nearest));
     }
     found
-}
-
-/// Turn per metre to the left from each sample of a way to the next one, radians.
-fn curvatures(way: &Centreline) -> Vec<f64> {
-    let turn = |w: &[Sample]| frames::wrap_pi(heading(&w[1].tangent) - heading(&w[0].tangent));
-    way.samples.windows(2).map(|w| turn(w) / (w[1].along_m - w[0].along_m)).collect()
 }
 
 /// Speed envelope of a way's curves, per sample.

@@ -2,6 +2,7 @@
 //! what is ahead.
 
 use crate::acceleration::before_line;
+use crate::bends::Bends;
 use crate::car_following::Idm;
 use crate::occupancy::Occupancy;
 use crate::road::net::{Net, PLANNED_BRAKING};
@@ -27,7 +28,12 @@ fn following_mps(idm: &Idm, gap_m: f64, ahead_mps: f64) -> f64 {
 
 /// Lets all vehicles roll that stand where they start; nobody has leave to pass a line yet, so all can stop
 /// before the next.
-pub(crate) fn set_rolling(net: &Net, occupancy: &mut Occupancy, vehicles: &mut [Vehicle]) {
+pub(crate) fn set_rolling(
+    net: &Net,
+    occupancy: &mut Occupancy,
+    bends: &mut Bends,
+    vehicles: &mut [Vehicle],
+) {
     for vehicle in vehicles.iter_mut() {
         // What is in view depends on the speed.
         vehicle.roll(net, vehicle.wished_speed(net));
@@ -37,6 +43,7 @@ pub(crate) fn set_rolling(net: &Net, occupancy: &mut Occupancy, vehicles: &mut [
         let stops = ends_m.into_iter().flatten().map(|gap_m| following_mps(&idm, gap_m, 0.0));
         vehicle.roll(net, stops.fold(vehicle.wished_speed(net), f64::min));
     }
+    bends.start(net, vehicles);
     for _ in 0..ROUNDS {
         occupancy.fill(net, vehicles);
         let mut changed: f64 = 0.0;
