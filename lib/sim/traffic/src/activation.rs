@@ -84,11 +84,11 @@ impl Activation {
         let agents = self.agents(vehicles);
         for walker in walkers {
             let far = self.is_far(&agents, &walker.position());
-            let sleeps = far && !walker.is_on_road() && !walker.is_struck();
-            if sleeps && !walker.is_asleep() {
+            let slept = walker.is_asleep();
+            walker.set_asleep(far && !walker.is_on_road() && !walker.is_struck());
+            if walker.is_asleep() && !slept {
                 bodies.rest(walker.body());
             }
-            walker.set_asleep(sleeps);
         }
     }
 }

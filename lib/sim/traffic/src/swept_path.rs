@@ -286,12 +286,15 @@ impl SweptPaths {
         gaps_m
     }
 
-    /// Whether a step leads a walker into a vehicle or farther into it.
-    pub(crate) fn blocks(&self, from: &Point3<f64>, step: Vector2<f64>, radius_m: f64) -> bool {
-        let to = Point3::new(from.x + step.x, from.y + step.y, from.z);
-        self.here.iter().any(|print| {
-            let outside_m = print.outside_m(&to);
-            outside_m < radius_m && outside_m < print.outside_m(from) && print.is_level(from)
+    /// Whether a way leads a walker into a vehicle or farther into it.
+    pub(crate) fn blocks(&self, from: &Point3<f64>, way: Vector2<f64>, radius_m: f64) -> bool {
+        let after = |share: f64| Point3::new(from.x + share * way.x, from.y + share * way.y, from.z);
+        // Vehicles are wider than half of such a way is long.
+        [0.5, 1.0].map(after).iter().any(|to| {
+            self.here.iter().any(|print| {
+                let outside_m = print.outside_m(to);
+                outside_m < radius_m && outside_m < print.outside_m(from) && print.is_level(from)
+            })
         })
     }
 

@@ -54,7 +54,7 @@ fn add(body: &Body, end: usize, moves: &mut Moves) {
         } else {
             moves.speed_mps.push(speed_mps);
             moves.turn_walking_degps.push(turn_degps);
-            let [_, left] = b.local(&c.at);
+            let [_, left] = c.local(&b.at);
             moves.aside.push(left.abs() / (DT * speed_mps));
         }
         for (worst, value) in

@@ -251,8 +251,8 @@ impl Centreline {
             let v = 1.0 - u;
             let first = chord * (6.0 * u * v)
                 + (a.tangent * (v * (1.0 - 3.0 * u)) + b.tangent * (u * (3.0 * u - 2.0))) * span;
-            let second = chord * (6.0 - 12.0 * u)
-                + (a.tangent * (6.0 * u - 4.0) + b.tangent * (6.0 * u - 2.0)) * span;
+            let second =
+                chord * (6.0 - 12.0 * u) + (a.tangent * (6.0 * u - 4.0) + b.tangent * (6.0 * u - 2.0)) * span;
             let square = first.x * first.x + first.y * first.y;
             (first.x * second.y - first.y * second.x) / (square * square.sqrt()).max(1e-9)
         };

@@ -25,6 +25,7 @@ use crate::vehicle::route::Route;
 use crate::vehicle::towed::Towed;
 use crate::walking::crowd::{Crowd, radius_m};
 use crate::walking::fixtures::Fixtures;
+use crate::walking::gait::RUN_MPS;
 use crate::walking::paths::Paths;
 use crate::walking::routes::Routes;
 use crate::walking::seats;
@@ -122,7 +123,7 @@ fn draw_walker(input: &SceneInput<'_>, catalogue: &[(&'static Model, f64)], numb
     let (scene, settings) = (input.scene, &input.settings.walkers);
     let mut stream = Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker", number);
     let (model, color) = (stream.choose_common(catalogue)?, *stream.choose(&CLOTHES)?);
-    let speed = stream.log_normal(0.16, 0.64).max(settings.min_speed_mps).max(0.1);
+    let speed = stream.log_normal(0.16, 0.64).min(RUN_MPS).max(settings.min_speed_mps).max(0.1);
     let mut chairs = Stream::new(scene.seed, u64::from(scene.scene), "traffic/wheelchair", number);
     let (model, speed_mps) = if chairs.chance(settings.wheelchair) {
         (&people::WHEELCHAIR, speed.min(WHEELCHAIR_MPS))

@@ -28,12 +28,7 @@ fn following_mps(idm: &Idm, gap_m: f64, ahead_mps: f64) -> f64 {
 
 /// Lets all vehicles roll that stand where they start; nobody has leave to pass a line yet, so all can stop
 /// before the next.
-pub(crate) fn set_rolling(
-    net: &Net,
-    occupancy: &mut Occupancy,
-    bends: &mut Bends,
-    vehicles: &mut [Vehicle],
-) {
+pub(crate) fn set_rolling(net: &Net, occupancy: &mut Occupancy, bends: &mut Bends, vehicles: &mut [Vehicle]) {
     for vehicle in vehicles.iter_mut() {
         // What is in view depends on the speed.
         vehicle.roll(net, vehicle.wished_speed(net));

@@ -52,6 +52,20 @@ impl Fixture {
         if a > 0.0 && b > 0.0 { (a * a + b * b).sqrt() } else { a.max(b) }
     }
 
+    /// How far a straight way stays outside the box, metres; where it leads through it, less than 0 or 0.
+    pub(crate) fn way_gap_m(&self, from: &Point3<f64>, way: &Vector2<f64>) -> f64 {
+        let to = from + way.push(0.0);
+        let ends_m = self.gap_m(from).min(self.gap_m(&to));
+        if ends_m <= 0.0 || self.entered_s(from, way, 0.0).is_some_and(|share| share <= 1.0) {
+            return ends_m.min(0.0);
+        }
+        let at = self.local_point(from);
+        let (start, way) = (Vector2::new(at[0], at[1]), Vector2::from(self.local(way)));
+        let [length, width] = self.half_m;
+        let corners = [[length, width], [-length, width], [-length, -width], [length, -width]];
+        corners.into_iter().map(|c| off_way_m(&Vector2::from(c), &start, &way)).fold(ends_m, f64::min)
+    }
+
     /// The direction in which a point gets away from the box fastest.
     pub(crate) fn away(&self, point: &Point3<f64>) -> Vector2<f64> {
         let at = self.local_point(point);
@@ -90,6 +104,13 @@ impl Fixture {
         }
         (first > 0.0 && first < last).then_some(first)
     }
+}
+
+/// How far a point is from a straight way, metres.
+pub(crate) fn off_way_m(point: &Vector2<f64>, from: &Vector2<f64>, way: &Vector2<f64>) -> f64 {
+    let away = point - from;
+    let share = (away.dot(way) / way.norm_squared().max(1e-12)).clamp(0.0, 1.0);
+    (away - way * share).norm()
 }
 
 /// All of them, in a grid.
@@ -200,6 +221,22 @@ mod tests {
                     assert!(nearest < 0.06);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn ways_stay_as_far_outside_as_the_nearest_of_their_points() {
+        let bench = bench();
+        for i in 0..40 {
+            let turn = 0.7 * f64::from(i);
+            let (sin, cos) = frames::math::sin_cos(turn);
+            let from = Point3::new(10.0 + 1.7 * cos, 5.0 + 1.7 * sin, 0.0);
+            let way = Vector2::new(1.3 * frames::math::cos(3.1 * turn), 1.3 * frames::math::sin(3.1 * turn));
+            let along = (0..=2000).map(|k| bench.gap_m(&(from + way.push(0.0) * (f64::from(k) / 2000.0))));
+            let nearest = along.fold(f64::INFINITY, f64::min);
+            let found = bench.way_gap_m(&from, &way);
+            let meets = nearest <= 0.0 && found <= 0.0;
+            assert!(meets || (found - nearest).abs() < 1e-3, "{found} {nearest} from {from} by {way}");
         }
     }
 

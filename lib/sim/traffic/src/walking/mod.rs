@@ -3,6 +3,7 @@
 pub(crate) mod crowd;
 mod edges;
 pub(crate) mod fixtures;
+pub(crate) mod gait;
 pub(crate) mod paths;
 pub(crate) mod routes;
 pub(crate) mod seats;

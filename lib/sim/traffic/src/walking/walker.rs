@@ -12,6 +12,10 @@ use crate::road::net::Net;
 use crate::swept_path::SweptPaths;
 use crate::walking::crowd::{Crowd, DesiredVelocity, radius_m};
 use crate::walking::fixtures::Fixtures;
+use crate::walking::gait::{
+    Gait, PUSH_MPS2, RUN_MPS, STANDS_MPS, before, braked, climbed, pushed, rolled, share_of_speed,
+    stopping_way,
+};
 use crate::walking::paths::{Crossing, Paths};
 use crate::walking::routes::{Leg, Route, Routes, Turn};
 use crate::walking::seats::Seat;
@@ -19,8 +23,6 @@ use crate::walking::surroundings::Surroundings;
 use crate::walking::waiting::WaitingPlace;
 use crate::walking::walking_group::WalkingGroup;
 
-/// Fastest turn, radians per second.
-const TURN_RADPS: f64 = 5.0;
 /// After waiting this long, a walker goes as soon as everyone can stop, seconds.
 const PATIENCE_S: f64 = 5.0;
 /// After waiting this long, a walker stays on its side, seconds.
@@ -32,15 +34,26 @@ const GIVE_UP_AT_LIGHT_S: f64 = 90.0;
 const NEXT_TRY_M: f64 = 2.0;
 /// Users of wheelchairs are not faster than this, m/s.
 pub(crate) const WHEELCHAIR_MPS: f64 = 2.0;
+/// What rolls and goes aside goes on as if at this speed, m/s: it cannot go aside alone.
+const ROLLS_ON_MPS: f64 = 0.5;
 /// A place is reached within this distance, metres.
 const REACH_M: f64 = 0.3;
 /// Who cannot get on waits behind those who stand at the kerb, within this distance of it, metres.
 const QUEUE_M: f64 = 3.0;
 /// A walker who gets on less than a fifth as fast as wished for this long goes somewhere else, seconds.
 const STUCK_S: f64 = 4.0;
-/// Braking at a destination, m/s2, down to a speed at which one turns round, m/s.
-const HALT_MPS2: f64 = 2.5;
-const TURN_MPS: f64 = 0.4;
+/// Speeds at a destination, at which one turns round; at a place to wait; onto a crossing and round a sharp
+/// corner, m/s.
+const ARRIVES_MPS: f64 = 0.4;
+const HALTS_MPS: f64 = 0.25;
+const TURNS_OFF_MPS: f64 = 1.1;
+/// Corners by more than this are sharp, radians.
+const SHARP_RAD: f64 = 0.5;
+/// Sideways acceleration in bends, m/s2, of those who are faster than this, m/s.
+const BEND_MPS2: f64 = 1.8;
+const BENDS_MPS: f64 = 1.5;
+/// On the way over a road, people slow down to no less than this at the other side, m/s.
+const ASHORE_MPS: f64 = 1.2;
 
 /// A pedestrian this near to a lane's middle is on the lane for drivers, metres.
 const LANE_SIDE_M: f64 = 2.5;
@@ -108,7 +121,11 @@ pub(crate) struct Walker {
     yaw_rad: f64,
     walked_m: f64,
     velocity_mps: Vector2<f64>,
-    /// Far from all agents: it stands where it is.
+    gait: Gait,
+    /// Up and down, m/s.
+    upwards_mps: f64,
+    /// Far from all agents: it comes to rest, and stands where it is.
+    halts: bool,
     asleep: bool,
     stream: Stream,
     speed_mps: f64,
@@ -159,6 +176,9 @@ impl Walker {
             yaw_rad,
             walked_m: 0.0,
             velocity_mps: Vector2::zeros(),
+            gait: Gait::of(model),
+            upwards_mps: 0.0,
+            halts: false,
             asleep: false,
             stream,
             speed_mps,
@@ -229,7 +249,8 @@ impl Walker {
 
     /// How fast it wishes to walk now, m/s.
     fn pace_mps(&self) -> f64 {
-        self.pace * self.speed_mps
+        let most = if self.gait == Gait::Wheels { WHEELCHAIR_MPS } else { RUN_MPS };
+        (self.pace * self.speed_mps).min(most)
     }
 
     pub(crate) fn model(&self) -> &'static Model {
@@ -269,12 +290,10 @@ impl Walker {
         self.asleep
     }
 
-    /// Falls asleep where it stands, or wakes.
-    pub(crate) fn set_asleep(&mut self, asleep: bool) {
-        if asleep && !self.asleep {
-            self.velocity_mps = Vector2::zeros();
-        }
-        self.asleep = asleep;
+    /// Comes to rest and falls asleep where it stands, or wakes.
+    pub(crate) fn set_asleep(&mut self, far: bool) {
+        self.halts = far;
+        self.asleep = far && self.velocity_mps == Vector2::zeros() && self.upwards_mps == 0.0;
     }
 
     /// Takes over where the body of a struck walker has skidded to.
@@ -431,39 +450,98 @@ impl Walker {
 
     /// One step of walker `me` of the crowd.
     pub(crate) fn step(&mut self, around: &Surroundings<'_>, crowd: &mut Crowd, me: usize) {
-        let fixtures = around.fixtures;
-        let wish = self.wish(around);
-        let before = self.point;
-        match wish {
-            Some((wish, height_m)) => {
-                let most = if self.model.wheel_radius_m > 0.0 { WHEELCHAIR_MPS } else { f64::INFINITY };
-                let minded = around.sweeps.is_minded(me);
-                let wish = if self.is_on_road() || !minded {
-                    wish
-                } else {
-                    self.avoid_swept_path(around.sweeps, wish)
-                };
-                let velocity = crowd.velocity(me, &wish, fixtures).cap_magnitude(most);
-                let moved = crowd.step(me, velocity * FRAME_PERIOD_S, fixtures);
-                let blocked = minded && around.sweeps.blocks(&before, moved, self.radius_m());
-                let moved = if blocked { Vector2::zeros() } else { moved };
-                self.velocity_mps = moved / FRAME_PERIOD_S;
-                (self.point.x, self.point.y) = (before.x + moved.x, before.y + moved.y);
-                let rise = moved.norm();
-                self.point.z += (height_m - before.z).clamp(-rise, rise);
-                let on = moved.dot(&wish.ahead) / FRAME_PERIOD_S > 0.2 * wish.speed_mps;
-                self.stuck_s = if on { 0.0 } else { self.stuck_s + FRAME_PERIOD_S };
-                self.walked_m += rise;
-                // A walker who shuffles looks where it wants to go.
-                let look = if self.velocity_mps.norm() > 0.3 { self.velocity_mps } else { wish.ahead };
-                self.turn_to(frames::math::atan2(look.y, look.x));
-            }
-            None => self.velocity_mps = Vector2::zeros(),
+        match self.wish(around) {
+            Some((wish, height_m)) => self.go(around, crowd, me, (wish, height_m)),
+            None => (self.velocity_mps, self.upwards_mps) = (Vector2::zeros(), 0.0),
         }
         crowd.moved(me, self.point, self.velocity_mps);
         if matches!(self.mode, Mode::Along) {
             self.follow(around);
         }
+    }
+
+    /// Moves for a step as wished, as far as there is room.
+    fn go(
+        &mut self,
+        around: &Surroundings<'_>,
+        crowd: &Crowd,
+        me: usize,
+        (wish, height_m): (DesiredVelocity, f64),
+    ) {
+        let (sweeps, before, radius_m) = (around.sweeps, self.point, self.radius_m());
+        let aside_rad = frames::wrap_pi(heading(&wish.ahead) - self.yaw_rad);
+        let share = if self.halts { 0.0 } else { share_of_speed(aside_rad) };
+        let turned = DesiredVelocity { speed_mps: share * wish.speed_mps, ..wish };
+        let minded = sweeps.is_minded(me);
+        let wish = match () {
+            () if minded && !self.is_on_road() => self.avoid_swept_path(sweeps, turned),
+            () if self.halts => DesiredVelocity { aside_m: 0.0, room_m: [0.0; 2], ..turned },
+            () => turned,
+        };
+        let choice = crowd.choice(me, &wish, around.fixtures);
+        let blocked = |v: &Vector2<f64>| minded && sweeps.blocks(&before, stopping_way(v), radius_m);
+        let way_m = match self.gait {
+            Gait::Feet => {
+                let pushes = pushed(self.velocity_mps, choice);
+                self.velocity_mps = crowd.passable(me, pushes, around.fixtures, &blocked);
+                let speed_mps = self.velocity_mps.norm();
+                // A walker who shuffles looks where it wants to go.
+                let look = if speed_mps > STANDS_MPS { self.velocity_mps } else { wish.ahead };
+                self.yaw_rad = self.gait.turned(self.yaw_rad, heading(&look), speed_mps);
+                speed_mps * FRAME_PERIOD_S
+            }
+            Gait::Wheels => {
+                let free = |v: &Vector2<f64>| crowd.is_passable(me, v, around.fixtures) && !blocked(v);
+                self.roll(&wish, choice, &free) * FRAME_PERIOD_S
+            }
+        };
+        let moved = self.velocity_mps * FRAME_PERIOD_S;
+        (self.point.x, self.point.y) = (before.x + moved.x, before.y + moved.y);
+        self.upwards_mps = climbed(self.upwards_mps, height_m - before.z, self.velocity_mps.norm());
+        self.point.z += self.upwards_mps * FRAME_PERIOD_S;
+        let on = moved.dot(&wish.ahead) / FRAME_PERIOD_S > 0.2 * wish.speed_mps;
+        if on {
+            self.stuck_s = 0.0;
+        } else if share > 0.5 {
+            // Nobody is stuck who turns round.
+            self.stuck_s += FRAME_PERIOD_S;
+        }
+        self.walked_m += way_m;
+    }
+
+    /// Turns towards a velocity and rolls on where the wheels point then, if that is free; the speed along
+    /// them.
+    fn roll(
+        &mut self,
+        wish: &DesiredVelocity,
+        choice: Vector2<f64>,
+        free: &dyn Fn(&Vector2<f64>) -> bool,
+    ) -> f64 {
+        let ahead = |yaw_rad: f64| {
+            let (sin, cos) = frames::math::sin_cos(yaw_rad);
+            Vector2::new(cos, sin)
+        };
+        let now = self.velocity_mps.dot(&ahead(self.yaw_rad));
+        // Who goes aside goes on, too.
+        let on_mps = (ROLLS_ON_MPS - choice.dot(&wish.ahead)).max(0.0);
+        let backs = choice.dot(&ahead(self.yaw_rad)) < 0.0 && wish.speed_mps > 0.0;
+        let yaw_rad = if backs {
+            self.yaw_rad
+        } else {
+            self.gait.turned(self.yaw_rad, heading(&(choice + wish.ahead * on_mps)), now)
+        };
+        let towards = ahead(yaw_rad);
+        let speed_mps = rolled(now, choice.dot(&towards));
+        let velocity = towards * speed_mps;
+        if free(&velocity) {
+            (self.yaw_rad, self.velocity_mps) = (yaw_rad, velocity);
+            return speed_mps;
+        }
+        self.velocity_mps = braked(self.velocity_mps);
+        if self.velocity_mps == Vector2::zeros() {
+            self.yaw_rad = yaw_rad;
+        }
+        self.velocity_mps.dot(&ahead(self.yaw_rad))
     }
 
     /// The wish of one beside the road whom a long vehicle's corner may come to: out of its way, or not into
@@ -494,12 +572,6 @@ impl Walker {
         DesiredVelocity { ahead, speed_mps, aside_m: 0.0, room_m: [-0.3, 0.3] }
     }
 
-    fn turn_to(&mut self, yaw_rad: f64) {
-        let turn = frames::wrap_pi(yaw_rad - self.yaw_rad);
-        let most = TURN_RADPS * FRAME_PERIOD_S;
-        self.yaw_rad = frames::wrap_pi(self.yaw_rad + turn.clamp(-most, most));
-    }
-
     /// Along the sidewalk, on the liked line. The second value of wishes is the surface's height.
     fn along_wish(&self, paths: &Paths) -> (DesiredVelocity, f64) {
         let leg = self.leg();
@@ -509,10 +581,9 @@ impl Walker {
         let room = paths.room_m(self.way, self.along_m);
         let (sin, cos) = frames::math::sin_cos(way.place(self.along_m).heading_rad);
         let aside = sense * left;
-        let halt = TURN_MPS + (2.0 * HALT_MPS2 * (leg.to_m - self.along_m).abs()).sqrt();
         let wish = DesiredVelocity {
             ahead: Vector2::new(cos, sin) * sense,
-            speed_mps: if leg.then == Turn::Arrive { self.pace_mps().min(halt) } else { self.pace_mps() },
+            speed_mps: self.along_mps(paths, &leg, sense),
             aside_m: self.offset * room - aside,
             room_m: [-room - aside, room - aside],
         };
@@ -520,13 +591,37 @@ impl Walker {
         (wish, paths.point(self.way, self.along_m, share).0.z)
     }
 
+    /// How fast it goes along the sidewalk, given what is ahead.
+    fn along_mps(&self, paths: &Paths, leg: &Leg, sense: f64) -> f64 {
+        let (pace_mps, rest_m) = (self.pace_mps(), (leg.to_m - self.along_m).abs());
+        let end_mps = match leg.then {
+            Turn::Arrive => ARRIVES_MPS,
+            Turn::Crosswalk { .. } | Turn::Over => TURNS_OFF_MPS,
+            Turn::Join { way, last } if pace_mps > TURNS_OFF_MPS && rest_m < RUN_MPS => {
+                let onward = &paths.ways[way];
+                let from_rad = paths.ways[self.way].place(leg.to_m).heading_rad;
+                let to_rad = onward.place(if last { onward.length_m } else { 0.0 }).heading_rad;
+                let turned = if (sense > 0.0) == last { std::f64::consts::PI } else { 0.0 };
+                let corner_rad = frames::wrap_pi(to_rad - from_rad + turned).abs();
+                if corner_rad > SHARP_RAD { TURNS_OFF_MPS } else { pace_mps }
+            }
+            Turn::Join { .. } => pace_mps,
+        };
+        let speed_mps = pace_mps.min(before(end_mps, rest_m));
+        if speed_mps < BENDS_MPS {
+            return speed_mps;
+        }
+        let bend = paths.ways[self.way].curvature(self.along_m + sense).abs().max(1e-6);
+        speed_mps.min((BEND_MPS2 / bend).sqrt().max(BENDS_MPS))
+    }
+
     /// Straight to a place.
     fn straight_wish(&self, to: &Point3<f64>, room_m: [f64; 2]) -> (DesiredVelocity, f64) {
         let way = flat(&self.point, to);
         let gap = way.norm();
         let ahead = if gap > 1e-6 { way / gap } else { Vector2::x() };
-        // Runners brake, so that they do not run past it.
-        let speed_mps = self.pace_mps().min(0.5 + gap / 0.5).min(gap / FRAME_PERIOD_S);
+        // Nobody walks past it.
+        let speed_mps = self.pace_mps().min(before(HALTS_MPS, gap - 0.1)).min(gap / FRAME_PERIOD_S);
         // Heights change evenly on the way.
         let height = self.point.z
             + (to.z - self.point.z) * (self.velocity_mps.norm() * FRAME_PERIOD_S / gap.max(1e-6)).min(1.0);
@@ -561,8 +656,8 @@ impl Walker {
         let half = crossing.half_width_m;
         let wish = DesiredVelocity {
             ahead,
-            // Nobody dawdles on the road.
-            speed_mps: self.pace_mps().max(self.speed_mps),
+            // Nobody dawdles on the road, nor runs off it.
+            speed_mps: self.pace_mps().max(self.speed_mps).min(before(ASHORE_MPS, rest)),
             aside_m: self.offset * half - aside,
             room_m: [-half - aside, half - aside],
         };
@@ -617,11 +712,15 @@ impl Walker {
     /// also whether they hold the traffic, but for those who cross anywhere.
     fn may_go(&self, around: &Surroundings<'_>, crossing: &Crossing, impatient: bool) -> bool {
         let length = (crossing.ends[1] - crossing.ends[0]).norm();
-        let needed_s = length / self.speed_mps + 1.0;
+        let needed_s = length / self.speed_mps + 1.0 + self.speed_mps / PUSH_MPS2;
         let lights = !crossing.signals.is_empty();
         let held = lights && around.is_held(crossing, needed_s);
         (!lights || held || self.anywhere) && around.is_clear(crossing, needed_s, impatient || held)
     }
+}
+
+fn heading(v: &Vector2<f64>) -> f64 {
+    frames::math::atan2(v.y, v.x)
 }
 
 fn flat(from: &Point3<f64>, to: &Point3<f64>) -> Vector2<f64> {
