@@ -11,8 +11,13 @@ use crate::vehicle::Vehicle;
 use crate::vehicle::activity::Activity;
 use crate::vehicle::attention::Class;
 
-/// Bends are looked at where the inner lane's radius is smaller than this, metres.
-const TIGHT_M: f64 = 45.0;
+/// Bends are looked at where the inner lane's radius is smaller than the last of these, metres; stretches of
+/// a bend whose radius is smaller than one of them are a bend by themselves.
+const RADII_M: [f64; 3] = [45.0, 80.0, 180.0];
+/// Between the middles of two of the longest vehicles that meet, metres: so much, and so much more times the
+/// bend's curvature as the one swings out and the other one cuts in.
+const LONGEST_M: f64 = 2.75;
+const SWING_M2: f64 = 81.0;
 /// Lanes with their middles nearer than this lie beside each other, metres.
 const BESIDE_M: f64 = 4.6;
 /// Room between two who meet, metres.
@@ -217,27 +222,39 @@ impl Bend {
     }
 }
 
-/// The stretches of a lane with a small radius: metres along it, and whether it turns left.
-fn runs(net: &Net, lane: usize) -> Vec<(f64, f64, bool)> {
+/// A stretch of a lane with a small radius.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    from_m: f64,
+    to_m: f64,
+    turns_left: bool,
+    /// Which of [`RADII_M`] it is below.
+    class: usize,
+}
+
+/// All such stretches of a lane.
+fn runs(net: &Net, lane: usize) -> Vec<Run> {
     let way = &net.lanes[lane].centre;
-    let mut found: Vec<(f64, f64, bool)> = Vec::new();
+    let mut found: Vec<Run> = Vec::new();
     for w in way.samples.windows(2) {
         let curvature = way.curvature(0.5 * (w[0].along_m + w[1].along_m));
-        if curvature.abs() * TIGHT_M <= 1.0 {
+        let Some(class) = RADII_M.iter().position(|radius_m| curvature.abs() * radius_m > 1.0) else {
             continue;
-        }
-        let left = curvature > 0.0;
-        match found.last_mut().filter(|r| r.2 == left && w[0].along_m - r.1 < 1e-6) {
-            Some(run) => run.1 = w[1].along_m,
-            None => found.push((w[0].along_m, w[1].along_m, left)),
+        };
+        let turns_left = curvature > 0.0;
+        let goes_on =
+            |r: &&mut Run| r.turns_left == turns_left && r.class == class && w[0].along_m - r.to_m < 1e-6;
+        match found.last_mut().filter(goes_on) {
+            Some(run) => run.to_m = w[1].along_m,
+            None => found.push(Run { from_m: w[0].along_m, to_m: w[1].along_m, turns_left, class }),
         }
     }
     found
 }
 
 /// The bends that a lane's stretch makes with lanes that run the other way on its outside.
-fn opposite(net: &Net, lane: usize, run: &(f64, f64, bool)) -> Vec<Bend> {
-    let &(from_m, to_m, turns_left) = run;
+fn opposite(net: &Net, lane: usize, run: &Run) -> Vec<Bend> {
+    let &Run { from_m, to_m, turns_left, .. } = run;
     let mut found: Vec<Bend> = Vec::new();
     let way = &net.lanes[lane].centre;
     for sample in way.samples.iter().filter(|s| (from_m..=to_m).contains(&s.along_m)) {
@@ -275,5 +292,6 @@ fn opposite(net: &Net, lane: usize, run: &(f64, f64, bool)) -> Vec<Bend> {
             }
         }
     }
+    found.retain(|bend| bend.apart_m < LONGEST_M + SWING_M2 / bend.radius_m);
     found
 }

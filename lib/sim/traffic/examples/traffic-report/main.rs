@@ -12,6 +12,7 @@ mod film;
 mod lights;
 mod motion;
 mod people;
+mod published;
 mod scenes;
 mod standing;
 mod things;
@@ -156,6 +157,7 @@ fn print(reports: &[Report], faults: bool) {
     print_motion(reports);
     print_people(reports);
     print_standing(reports);
+    published::print(reports);
     if faults {
         reports.iter().for_each(print_faults);
     }

@@ -62,6 +62,13 @@ pub(crate) struct Start {
     pub(crate) towed: Option<TowedStart>,
 }
 
+/// Vehicles longer than the first need room in bends with a smaller radius than the second, from so far before
+/// to so far behind them, looked at in such steps, metres.
+const LONG_M: f64 = 7.0;
+const BEND_M: f64 = 60.0;
+const BEND_END_M: f64 = 11.0;
+const BEND_STEP_M: f64 = 2.0;
+
 /// All vehicles of a scene, agents in order, then background vehicles, and the objects in its hazards.
 pub(crate) fn vehicle_starts(
     input: &SceneInput<'_>,
@@ -165,7 +172,8 @@ fn background(
         let along_m = clear_of_junctions(net, lane, along, both(model));
         let place = net.lanes[lane].centre.place(along_m);
         let fits = clear_of_junctions(net, lane, along_m, both(model)) == along_m
-            && !overhangs(net, lane, along_m, both(model));
+            && !overhangs(net, lane, along_m, both(model))
+            && !swings_out(net, lane, along_m, both(model));
         if !fits || !taken.is_free(&place.point, place.heading_rad, model.size_m) {
             continue;
         }
@@ -226,8 +234,9 @@ impl TrainRoads<'_> {
             .clone();
         let ends = [0.5 * model.size_m[0], train.rear_m()];
         let along_m = clear_of_junctions(net, lane, along, ends);
-        let fits =
-            clear_of_junctions(net, lane, along_m, ends) == along_m && !overhangs(net, lane, along_m, ends);
+        let fits = clear_of_junctions(net, lane, along_m, ends) == along_m
+            && !overhangs(net, lane, along_m, ends)
+            && !swings_out(net, lane, along_m, ends);
         let behind = came_along(net, (lane, along_m), train.rear_m())?;
         let room_s = ways_s[lane] - along_m / net.lanes[lane].limit_mps;
         if !fits || room_s < enough_s || !behind.iter().all(|&l| ways_s[l] > 0.0) {
@@ -301,6 +310,15 @@ fn clear_of_junctions(net: &Net, lane: usize, along_m: f64, ends_m: [f64; 2]) ->
     let low = if facts.previous.iter().any(in_junction) { rear_m } else { 0.0 };
     let high = facts.centre.length_m - if facts.next.iter().any(in_junction) { front_m } else { 0.0 };
     along_m.max(low).min(high.max(0.0))
+}
+
+/// Whether a vehicle there is so long that it would begin in a bend where others may have no room beside it.
+fn swings_out(net: &Net, lane: usize, along_m: f64, [front_m, rear_m]: [f64; 2]) -> bool {
+    let ends_m = [along_m - rear_m - BEND_END_M, along_m + front_m + BEND_END_M];
+    let steps = ((ends_m[1] - ends_m[0]) / BEND_STEP_M).ceil();
+    let place = |k: u32| ends_m[0] + (ends_m[1] - ends_m[0]) * f64::from(k) / steps;
+    let bent = |k: u32| net.curvature(lane, place(k)).abs() * BEND_M > 1.0;
+    front_m + rear_m > LONG_M && (0..=steps as u32).any(bent)
 }
 
 /// Whether a vehicle there would reach into a junction, over lanes of any length.

@@ -36,6 +36,8 @@ const NEXT_TRY_M: f64 = 2.0;
 pub(crate) const WHEELCHAIR_MPS: f64 = 2.0;
 /// What rolls and goes aside goes on as if at this speed, m/s: it cannot go aside alone.
 const ROLLS_ON_MPS: f64 = 0.5;
+/// Room to start is looked for at so many places, half a metre from one another.
+const ROOM_TRIES: i32 = 160;
 /// A place is reached within this distance, metres.
 const REACH_M: f64 = 0.3;
 /// Who cannot get on waits behind those who stand at the kerb, within this distance of it, metres.
@@ -320,22 +322,24 @@ impl Walker {
         self.trips += 1;
     }
 
-    /// Moves a walker who would start in another one along its sidewalk to the nearest place where it does
-    /// not.
+    /// Moves a walker who would start in somebody or something along its sidewalk to the nearest place where
+    /// it does not, beside its line if there is none on it.
     pub(crate) fn find_room(&mut self, paths: &Paths, fixtures: &Fixtures, crowd: &Crowd) {
         let length = paths.ways[self.way].length_m;
         let stands = matches!(self.mode, Mode::Obstacles { .. });
         let share = if stands || self.is_forward() { self.offset } else { -self.offset };
-        let shifts = (0..100).map(|i| 0.5 * f64::from((i + 1) / 2) * if i % 2 == 0 { 1.0 } else { -1.0 });
-        let free = shifts
-            .map(|shift| self.along_m + shift)
-            .filter(|along| (0.0..=length).contains(along))
-            .find_map(|along| {
-                let point = paths.point(self.way, along, share).0;
-                crowd.is_free(point, self.radius_m(), fixtures).then_some((along, point))
-            });
-        if let Some((along, point)) = free {
-            (self.along_m, self.point) = (along, point);
+        let (from_m, radius_m) = (self.along_m, self.radius_m());
+        let shift = |i: i32| 0.5 * f64::from((i + 1) / 2) * if i % 2 == 0 { 1.0 } else { -1.0 };
+        let free = |share: f64| {
+            let shifted = (0..ROOM_TRIES).map(|i| from_m + shift(i));
+            shifted.filter(|along_m| (0.0..=length).contains(along_m)).find_map(|along_m| {
+                let point = paths.point(self.way, along_m, share).0;
+                crowd.is_free(point, radius_m, fixtures).then_some((along_m, point))
+            })
+        };
+        let shares = [share, 0.0, -share, 1.0, -1.0];
+        if let Some((along_m, point)) = shares.into_iter().find_map(free) {
+            (self.along_m, self.point) = (along_m, point);
         }
     }
 

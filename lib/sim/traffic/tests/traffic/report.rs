@@ -7,6 +7,10 @@ mod film;
 mod lights;
 #[path = "../../examples/traffic-report/motion.rs"]
 mod motion;
+#[path = "../../examples/traffic-report/people.rs"]
+mod people;
+#[path = "../../examples/traffic-report/scenes.rs"]
+mod scenes;
 #[path = "../../examples/traffic-report/standing.rs"]
 mod standing;
 #[path = "../../examples/traffic-report/things.rs"]
@@ -75,9 +79,15 @@ impl Shot {
 
     /// What a light shows over time.
     fn light(&mut self, id: &str, state: impl Fn(f64) -> SignalState) {
-        self.log.signals.extend((0..self.states).map(|i| SignalRow {
+        self.lights(id, 1, state);
+    }
+
+    /// The same of a light with several heads, in the order of the log.
+    fn lights(&mut self, id: &str, heads: u16, state: impl Fn(f64) -> SignalState) {
+        let rows = (0..self.states).flat_map(|i| (0..heads).map(move |head| (i, head)));
+        self.log.signals.extend(rows.map(|(i, head)| SignalRow {
             frame: i as i32 - 1,
-            id: 900,
+            id: 900 + head,
             state: state(0.05 * i as f64),
             opendrive_id: id.into(),
         }));
@@ -191,6 +201,102 @@ fn lights_are_run_at_red_alone() {
     shot.car(|t| (60.0 - 10.0 * t.min(4.7), 1.75, PI, if t < 4.7 { 10.0 } else { 0.0 }));
     shot.light("s0", |_| SignalState::Red);
     assert_eq!(lights::measure(&shot.film(&map)).passages, 0);
+}
+
+#[test]
+fn second_heads_of_a_light_show_what_it_shows_then() {
+    let map = crossing(true);
+    // The line is passed after 4.8 s, when the light has been green for half a second; before that it was
+    // red for as long as it is green after.
+    for (heads, turns_s, runs) in [(1, 4.3, 0), (2, 4.3, 0), (3, 4.3, 0), (2, 5.3, 1)] {
+        let mut shot = Shot::new(9.0);
+        shot.car(towards_line(60.0, 10.0, 0.0));
+        shot.lights("s0", heads, |t| if t < turns_s { SignalState::Red } else { SignalState::Green });
+        let found = lights::measure(&shot.film(&map));
+        assert_eq!((found.red_runs.len(), found.passages), (runs, 1), "{heads} heads, {turns_s} s");
+    }
+}
+
+#[test]
+fn people_turn_and_push_off_as_told() {
+    let map = straight(300.0);
+    let mut shot = Shot::new(4.0);
+    // Walks at 1.5 m/s for 2 s, brakes at 3 m/s2, and turns round at 2 rad/s.
+    shot.add("walker.man", "ordinary", |t| {
+        let b = (t - 2.0).clamp(0.0, 0.5);
+        (20.0 + 1.5 * t.min(2.5) - 1.5 * b * b, 5.0, 2.0 * (t - 2.6).clamp(0.0, 1.0), 1.5 - 3.0 * b)
+    });
+    // Rolls round on a circle of 1 m at 1 m/s.
+    shot.add("walker.wheelchair", "ordinary", |t| {
+        let (sin, cos) = sin_cos(t);
+        (80.0 + sin, 6.0 - cos, t, 1.0)
+    });
+    let found = people::measure(&shot.film(&map));
+    let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+    let close = |a: f64, b: f64| (a - b).abs() < 0.01 * b;
+    let (feet, wheels) = (&found.on_foot, &found.rolling);
+    assert!(close(most(&feet.speed_mps), 1.5) && close(most(&feet.acceleration), 3.0));
+    assert!(close(most(&feet.turn_standing_degps), 114.6) && most(&feet.turn_walking_degps) < 1e-6);
+    assert!(close(most(&wheels.turn_walking_degps), 57.3) && wheels.turn_standing_degps.is_empty());
+    assert!(close(most(&wheels.acceleration), 1.0) && close(most(&wheels.speed_mps), 1.0));
+    // Half of a step's turn of 0.05 rad.
+    assert!(close(most(&wheels.aside), 0.025), "{}", most(&wheels.aside));
+}
+
+/// The bars of docs/traffic.md on towns of ours with turn pockets and second heads of lights, and with
+/// motorways: by what the log says of whoever is neither reckless nor hit.
+#[test]
+fn nobody_ordinary_moves_as_nobody_can() {
+    for (name, seconds) in [("convoy/03", 50.0), ("convoy/06", 25.0)] {
+        let plans = scenes::plans(&[name.to_owned()], &(101..=101), seconds);
+        let (map, fixed, log) = plans[0].simulate();
+        let heads = fixed.iter().filter(|a| a.kind == ActorKind::TrafficLight);
+        let mut signals: Vec<&str> = heads.filter_map(|a| a.opendrive_id.as_deref()).collect();
+        let all = signals.len();
+        signals.sort_unstable();
+        signals.dedup();
+        assert!(all > signals.len() + 3, "{name}: {all} heads of {} lights", signals.len());
+        let mut film = Film::new(&map, &log);
+        let touching = touching::find(&mut film);
+        assert_eq!((touching.ordinary, touching.vehicle_walker), (vec![], vec![]), "{name}");
+        assert_eq!(touching.walker_walker, 0, "{name}");
+        let lights = lights::measure(&film);
+        assert_eq!(lights.red_runs, [], "{name}");
+        assert!(name != "convoy/03" || lights.passages > 20, "{name}: {} passages", lights.passages);
+        let fixed: Vec<&ActorRow> = fixed.iter().collect();
+        let inside = things::measure(&film, &fixed);
+        assert!(inside.walkers.is_empty() && inside.vehicles.is_empty(), "{name}: {inside:?}");
+
+        let motion = motion::measure(&film);
+        let share = |values: &[f64], share: f64| {
+            let mut values = values.to_vec();
+            values.sort_by(f64::total_cmp);
+            values[(share * (values.len() - 1) as f64) as usize]
+        };
+        assert!(motion.sideways.len() > 50_000);
+        assert!(share(&motion.sideways, 1.0) < 4.0, "{name}: {:?}", motion.worst_sideways);
+        let braking = share(&motion.acceleration, 0.001);
+        assert!(braking > -4.5, "{name}: one sample of a thousand below {braking}");
+        let jerk: Vec<f64> = motion.jerk.iter().map(|j| j.abs()).collect();
+        assert!(share(&jerk, 0.999) < 13.0, "{name}: {}", share(&jerk, 0.999));
+
+        let people = people::measure(&film);
+        let bars = [(&people.on_foot, [180.0, 90.0], 3.4), (&people.rolling, [60.0, 60.0], 2.01)];
+        for (moves, [standing, walking], speed_mps) in bars {
+            let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+            assert!(most(&moves.turn_standing_degps) < standing + 0.1, "{name}: {:?}", moves.worst_turn);
+            assert!(most(&moves.turn_walking_degps) < walking + 0.1, "{name}: {:?}", moves.worst_turn);
+            let pushes = most(&moves.acceleration);
+            assert!(pushes < 3.0 && most(&moves.upwards) < 1.5, "{name}: {:?}", moves.worst_acceleration);
+            assert!(most(&moves.speed_mps) < speed_mps, "{name}");
+        }
+        assert!(most_aside(&people.rolling) < 0.1, "{name}: wheels slide");
+        assert!(people.on_foot.acceleration.len() > 20_000 && !people.rolling.speed_mps.is_empty(), "{name}");
+    }
+}
+
+fn most_aside(moves: &people::Moves) -> f64 {
+    moves.aside.iter().copied().fold(0.0, f64::max)
 }
 
 #[test]
