@@ -222,6 +222,11 @@ impl Bend {
     }
 }
 
+/// Whether some two vehicles have no room beside each other on lanes so far apart that turn by so much.
+pub(crate) fn is_tight(curvature: f64, apart_m: f64) -> bool {
+    LONGEST_M + SWING_M2 * curvature.abs() > apart_m
+}
+
 /// A stretch of a lane with a small radius.
 #[derive(Clone, Copy, Debug)]
 struct Run {
@@ -292,6 +297,6 @@ fn opposite(net: &Net, lane: usize, run: &Run) -> Vec<Bend> {
             }
         }
     }
-    found.retain(|bend| bend.apart_m < LONGEST_M + SWING_M2 / bend.radius_m);
+    found.retain(|bend| is_tight(1.0 / bend.radius_m, bend.apart_m));
     found
 }

@@ -14,6 +14,7 @@ use schema::tables::{ActorRow, PlanSceneRow};
 use schema::{ActorRole, AgentKind};
 use settings::TrafficSettings;
 
+use crate::bends::is_tight;
 use crate::error::TrafficError;
 use crate::hazards::Hazards;
 use crate::input::SceneInput;
@@ -62,11 +63,12 @@ pub(crate) struct Start {
     pub(crate) towed: Option<TowedStart>,
 }
 
-/// Vehicles longer than the first need room in bends with a smaller radius than the second, from so far before
-/// to so far behind them, looked at in such steps, metres.
+/// Vehicles longer than this need room in bends, from so far before to so far behind them, looked at in such
+/// steps, metres.
 const LONG_M: f64 = 7.0;
-const BEND_M: f64 = 60.0;
 const BEND_END_M: f64 = 11.0;
+/// What turns by less is no bend, radians per metre.
+const STRAIGHT: f64 = 1.0 / 180.0;
 const BEND_STEP_M: f64 = 2.0;
 
 /// All vehicles of a scene, agents in order, then background vehicles, and the objects in its hazards.
@@ -317,7 +319,10 @@ fn swings_out(net: &Net, lane: usize, along_m: f64, [front_m, rear_m]: [f64; 2])
     let ends_m = [along_m - rear_m - BEND_END_M, along_m + front_m + BEND_END_M];
     let steps = ((ends_m[1] - ends_m[0]) / BEND_STEP_M).ceil();
     let place = |k: u32| ends_m[0] + (ends_m[1] - ends_m[0]) * f64::from(k) / steps;
-    let bent = |k: u32| net.curvature(lane, place(k)).abs() * BEND_M > 1.0;
+    let bent = |k: u32| {
+        let width_m = net.lanes[lane].centre.place(place(k)).width_m;
+        net.curvature(lane, place(k)).abs() > STRAIGHT && is_tight(net.curvature(lane, place(k)), width_m)
+    };
     front_m + rear_m > LONG_M && (0..=steps as u32).any(bent)
 }
 

@@ -19,6 +19,8 @@ const TURN_ROLLING_RADPS: f64 = std::f64::consts::FRAC_PI_3;
 /// What rolls gains and loses speed by no more than this of its own accord, m/s2, as it turns at the same
 /// time.
 const ROLL_MPS2: f64 = 1.4;
+/// What rolls and goes aside goes on as if at this speed, m/s.
+const ROLLS_ON_MPS: f64 = 0.5;
 /// It is pulled back no faster than this, m/s.
 const BACK_MPS: f64 = 0.7;
 /// Who looks aside of the way by more than the first angle slows down, and stands to turn at the second one,
@@ -80,8 +82,51 @@ pub(crate) fn stopping_way(velocity_mps: &Vector2<f64>) -> Vector2<f64> {
     velocity_mps * FRAME_PERIOD_S + braking_way(velocity_mps)
 }
 
+/// Something on wheels, which goes where they point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rolling {
+    pub(crate) yaw_rad: f64,
+    pub(crate) velocity_mps: Vector2<f64>,
+}
+
+impl Rolling {
+    fn ahead(yaw_rad: f64) -> Vector2<f64> {
+        let (sin, cos) = frames::math::sin_cos(yaw_rad);
+        Vector2::new(cos, sin)
+    }
+
+    /// Along its wheels; negative backwards.
+    pub(crate) fn speed_mps(&self) -> f64 {
+        self.velocity_mps.dot(&Self::ahead(self.yaw_rad))
+    }
+
+    /// Turns towards a velocity, for a step, and rolls on where the wheels point then if that is free; else
+    /// brakes, and turns when it stands. Whoever `flees` something may be pulled back.
+    pub(crate) fn step(
+        &self,
+        on: &Vector2<f64>,
+        choice: Vector2<f64>,
+        flees: bool,
+        free: &dyn Fn(&Vector2<f64>) -> bool,
+    ) -> Self {
+        // It cannot go aside alone.
+        let aside = choice + on * (ROLLS_ON_MPS - choice.dot(on)).max(0.0);
+        let backs = flees && choice.dot(&Self::ahead(self.yaw_rad)) < 0.0;
+        let to_rad = if backs { self.yaw_rad } else { frames::math::atan2(aside.y, aside.x) };
+        let yaw_rad = Gait::Wheels.turned(self.yaw_rad, to_rad, 0.0);
+        let towards = Self::ahead(yaw_rad);
+        let velocity_mps = towards * rolled(self.speed_mps(), choice.dot(&towards));
+        if free(&velocity_mps) {
+            return Self { yaw_rad, velocity_mps };
+        }
+        let velocity_mps = braked(self.velocity_mps);
+        let stands = velocity_mps == Vector2::zeros();
+        Self { yaw_rad: if stands { yaw_rad } else { self.yaw_rad }, velocity_mps }
+    }
+}
+
 /// The speed along its heading of something on wheels after a step, of which one is wished for.
-pub(crate) fn rolled(speed_mps: f64, to_mps: f64) -> f64 {
+fn rolled(speed_mps: f64, to_mps: f64) -> f64 {
     let most = ROLL_MPS2 * FRAME_PERIOD_S;
     speed_mps + (to_mps.max(-BACK_MPS) - speed_mps).clamp(-most, most)
 }
@@ -125,6 +170,27 @@ mod tests {
             assert!((-1e-9..0.165).contains(&height), "{height}");
         }
         assert!((height - 0.15).abs() < 2e-3 && upwards.abs() < 0.02, "{height} {upwards}");
+    }
+
+    #[test]
+    fn a_chair_turns_round_and_rolls_back_where_it_came_from() {
+        let mut chair = Rolling { yaw_rad: 0.0, velocity_mps: Vector2::new(1.0, 0.0) };
+        let on = Vector2::new(-1.0, 0.0);
+        let mut turned = 0;
+        for _ in 0..120 {
+            let aside_rad = frames::wrap_pi(std::f64::consts::PI - chair.yaw_rad);
+            let next = chair.step(&on, on * share_of_speed(aside_rad), false, &|_| true);
+            assert!((next.velocity_mps - chair.velocity_mps).norm() < 3.0 * FRAME_PERIOD_S);
+            assert!(next.velocity_mps.perp(&Rolling::ahead(next.yaw_rad)).abs() < 1e-12);
+            turned += u32::from(next.yaw_rad != chair.yaw_rad);
+            chair = next;
+        }
+        // 180 degrees at 60 a second.
+        assert!((59..=62).contains(&turned), "{turned} steps");
+        assert!((chair.velocity_mps - on).norm() < 1e-6, "{chair:?}");
+        // Out of the way of a bus it is pulled back.
+        let pulled = Rolling { yaw_rad: 0.0, velocity_mps: Vector2::zeros() }.step(&on, on, true, &|_| true);
+        assert!(pulled.yaw_rad == 0.0 && pulled.speed_mps() < 0.0);
     }
 
     #[test]

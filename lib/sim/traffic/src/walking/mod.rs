@@ -1,6 +1,7 @@
 //! Walkers: where they can walk, where they go, and how they keep out of the way.
 
 pub(crate) mod crowd;
+mod dodging;
 mod edges;
 pub(crate) mod fixtures;
 pub(crate) mod gait;

@@ -9,12 +9,11 @@ use schema::FRAME_PERIOD_S;
 use crate::bodies::{Body, BodyMotion};
 use crate::occupancy::{CrossingWalker, Occupancy};
 use crate::road::net::Net;
-use crate::swept_path::SweptPaths;
 use crate::walking::crowd::{Crowd, DesiredVelocity, radius_m};
+use crate::walking::dodging;
 use crate::walking::fixtures::Fixtures;
 use crate::walking::gait::{
-    Gait, PUSH_MPS2, RUN_MPS, STANDS_MPS, before, braked, climbed, pushed, rolled, share_of_speed,
-    stopping_way,
+    Gait, PUSH_MPS2, RUN_MPS, Rolling, STANDS_MPS, before, climbed, pushed, share_of_speed, stopping_way,
 };
 use crate::walking::paths::{Crossing, Paths};
 use crate::walking::routes::{Leg, Route, Routes, Turn};
@@ -34,8 +33,6 @@ const GIVE_UP_AT_LIGHT_S: f64 = 90.0;
 const NEXT_TRY_M: f64 = 2.0;
 /// Users of wheelchairs are not faster than this, m/s.
 pub(crate) const WHEELCHAIR_MPS: f64 = 2.0;
-/// What rolls and goes aside goes on as if at this speed, m/s: it cannot go aside alone.
-const ROLLS_ON_MPS: f64 = 0.5;
 /// Room to start is looked for at so many places, half a metre from one another.
 const ROOM_TRIES: i32 = 160;
 /// A place is reached within this distance, metres.
@@ -59,13 +56,6 @@ const ASHORE_MPS: f64 = 1.2;
 
 /// A pedestrian this near to a lane's middle is on the lane for drivers, metres.
 const LANE_SIDE_M: f64 = 2.5;
-
-/// A walker in the way of a vehicle's corner steps back as fast as this, m/s, and looks this far ahead,
-/// seconds.
-const STEPS_BACK_MPS: f64 = 1.4;
-const STEPS_BACK_S: f64 = 0.5;
-/// It looks for room this far around, metres.
-const STEP_M: f64 = 0.8;
 
 /// At its destination, one of a group waits this long for the others at most, seconds.
 pub(crate) const AWAITS_S: f64 = 6.0;
@@ -478,7 +468,7 @@ impl Walker {
         let turned = DesiredVelocity { speed_mps: share * wish.speed_mps, ..wish };
         let minded = sweeps.is_minded(me);
         let wish = match () {
-            () if minded && !self.is_on_road() => self.avoid_swept_path(sweeps, turned),
+            () if minded && !self.is_on_road() => dodging::out_of_the_way(sweeps, &before, radius_m, turned),
             () if self.halts => DesiredVelocity { aside_m: 0.0, room_m: [0.0; 2], ..turned },
             () => turned,
         };
@@ -496,7 +486,10 @@ impl Walker {
             }
             Gait::Wheels => {
                 let free = |v: &Vector2<f64>| crowd.is_passable(me, v, around.fixtures) && !blocked(v);
-                self.roll(&wish, choice, &free) * FRAME_PERIOD_S
+                let now = Rolling { yaw_rad: self.yaw_rad, velocity_mps: self.velocity_mps };
+                let next = now.step(&wish.ahead, choice, wish.ahead != turned.ahead, &free);
+                (self.yaw_rad, self.velocity_mps) = (next.yaw_rad, next.velocity_mps);
+                next.speed_mps() * FRAME_PERIOD_S
             }
         };
         let moved = self.velocity_mps * FRAME_PERIOD_S;
@@ -511,69 +504,6 @@ impl Walker {
             self.stuck_s += FRAME_PERIOD_S;
         }
         self.walked_m += way_m;
-    }
-
-    /// Turns towards a velocity and rolls on where the wheels point then, if that is free; the speed along
-    /// them.
-    fn roll(
-        &mut self,
-        wish: &DesiredVelocity,
-        choice: Vector2<f64>,
-        free: &dyn Fn(&Vector2<f64>) -> bool,
-    ) -> f64 {
-        let ahead = |yaw_rad: f64| {
-            let (sin, cos) = frames::math::sin_cos(yaw_rad);
-            Vector2::new(cos, sin)
-        };
-        let now = self.velocity_mps.dot(&ahead(self.yaw_rad));
-        // Who goes aside goes on, too.
-        let on_mps = (ROLLS_ON_MPS - choice.dot(&wish.ahead)).max(0.0);
-        let backs = choice.dot(&ahead(self.yaw_rad)) < 0.0 && wish.speed_mps > 0.0;
-        let yaw_rad = if backs {
-            self.yaw_rad
-        } else {
-            self.gait.turned(self.yaw_rad, heading(&(choice + wish.ahead * on_mps)), now)
-        };
-        let towards = ahead(yaw_rad);
-        let speed_mps = rolled(now, choice.dot(&towards));
-        let velocity = towards * speed_mps;
-        if free(&velocity) {
-            (self.yaw_rad, self.velocity_mps) = (yaw_rad, velocity);
-            return speed_mps;
-        }
-        self.velocity_mps = braked(self.velocity_mps);
-        if self.velocity_mps == Vector2::zeros() {
-            self.yaw_rad = yaw_rad;
-        }
-        self.velocity_mps.dot(&ahead(self.yaw_rad))
-    }
-
-    /// The wish of one beside the road whom a long vehicle's corner may come to: out of its way, or not into
-    /// it.
-    fn avoid_swept_path(&self, sweeps: &SweptPaths, wish: DesiredVelocity) -> DesiredVelocity {
-        let left = Vector2::new(-wish.ahead.y, wish.ahead.x);
-        let after =
-            |step: Vector2<f64>| Point3::new(self.point.x + step.x, self.point.y + step.y, self.point.z);
-        let next = after(wish.ahead * (wish.speed_mps * STEPS_BACK_S));
-        if !sweeps.is_swept(&self.point, self.radius_m()) {
-            let into = sweeps.is_swept(&next, self.radius_m());
-            return if into { DesiredVelocity { speed_mps: 0.0, ..wish } } else { wish };
-        }
-        // On the sidewalk, to wherever there is most room.
-        let asides = [wish.room_m[0].clamp(-STEP_M, -0.3), 0.0, wish.room_m[1].clamp(0.3, STEP_M)];
-        let steps = [0.0, -STEP_M, STEP_M]
-            .into_iter()
-            .flat_map(|on| asides.map(|aside| wish.ahead * on + left * aside));
-        let mut best = (f64::NEG_INFINITY, Vector2::zeros());
-        for step in steps {
-            let clear_m = sweeps.clear_m(&after(step), self.radius_m());
-            if clear_m > best.0 + 1e-6 {
-                best = (clear_m, step);
-            }
-        }
-        let ahead = best.1.try_normalize(1e-6).unwrap_or(wish.ahead);
-        let speed_mps = if best.1.norm() > 0.0 { STEPS_BACK_MPS } else { 0.0 };
-        DesiredVelocity { ahead, speed_mps, aside_m: 0.0, room_m: [-0.3, 0.3] }
     }
 
     /// Along the sidewalk, on the liked line. The second value of wishes is the surface's height.
