@@ -2,4 +2,5 @@
 
 mod exact;
 mod rays;
+mod sidewalks;
 mod simbev2x;
