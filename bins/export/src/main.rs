@@ -7,7 +7,7 @@ use arguments::export::CommonArgs;
 use clap::Parser;
 use export_core::command::Export;
 use export_core::{
-    Destination, ExportError, Layout, Omission, Plan, ProgressWatch, Selection, Source, export, plan,
+    Destination, ExportError, Layout, Omission, Outcome, Plan, ProgressWatch, Selection, Source, export, plan,
 };
 use indicatif::{DecimalBytes, HumanDuration};
 use runner::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Programs, Progress, say};
@@ -53,9 +53,12 @@ fn run(layout: &dyn Layout, common: &CommonArgs) -> Result<(), ExportError> {
     }
     let progress =
         Progress::start(common.progress.into(), format!("export {}", layout.name()), plan.cost.agent_frames);
-    let outcome = pool.install(|| export(layout, &source, &place, &plan, &Watching(progress)))?;
-    let (made, units, root) = (outcome.made, outcome.units, place.root().display());
-    say(&format!("{root}: {made} of {units} parts made now"));
+    let watching = Watching(progress);
+    let outcome = pool.install(|| export(layout, &source, &place, &plan, &watching));
+    watching.0.finish();
+    let Outcome { made, units, agent_frames } = outcome?;
+    let root = place.root().display();
+    say(&format!("{root}: {made} of {units} parts made now, {agent_frames} agent-frames"));
     Ok(())
 }
 
@@ -99,12 +102,13 @@ fn announce(plan: &Plan, source: &Source, threads: usize) {
     for (scene, why) in &source.unfinished {
         tracing::warn!("scene {scene} is left out: {why}");
     }
-    let mut by_reason: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    for Omission { what, why } in &plan.omissions {
-        by_reason.entry(why).or_default().push(what);
+    let mut by_reason: BTreeMap<(bool, &str), Vec<&str>> = BTreeMap::new();
+    for Omission { what, why, is_note } in &plan.omissions {
+        by_reason.entry((*is_note, why)).or_default().push(what);
     }
-    for (why, what) in by_reason {
-        say(&format!("left out: {} ({why})", what.join(", ")));
+    for ((is_note, why), what) in by_reason {
+        let word = if is_note { "note" } else { "left out" };
+        say(&format!("{word}: {} ({why})", what.join(", ")));
     }
 }
 

@@ -49,7 +49,10 @@ fn run(args: &ImportArgs) -> Result<u8, ImportError> {
     let are_processed = found.scenes.iter().all(|scene| scene.is_processed);
     let name = args.store.file_name().map_or_else(|| "import".into(), |name| name.to_string_lossy());
     let progress = Progress::start(args.progress.into(), "import simbev2x".to_owned(), found.agent_frames());
-    let outcome = pool.install(|| import(&source, &store, found, &selection, &name, &Watching(progress)))?;
+    let watching = Watching(progress);
+    let outcome = pool.install(|| import(&source, &store, found, &selection, &name, &watching));
+    watching.0.finish();
+    let outcome = outcome?;
     for (scene, error) in &outcome.failed {
         tracing::error!("scene {scene} is not imported: {}", runner::report(error));
     }

@@ -1,7 +1,9 @@
 //! Exports of a tiny dataset, each read back by a script that knows its layout and shares no code with us.
 
+mod blind;
 mod kitti;
 mod mcap;
+mod messages;
 mod nuscenes;
 mod opv2v;
 mod several;
@@ -35,7 +37,22 @@ fn command(bench: &Bench, layout: &str, dest: &Path, args: &[&str]) -> Command {
 fn export(bench: &Bench, layout: &str, dest: &str, args: &[&str]) -> (PathBuf, Outcome) {
     let dest = bench.folder.path().join(dest);
     let output = command(bench, layout, &dest, args).output().expect("the program starts");
-    (dest, Outcome::of(&output))
+    let outcome = Outcome::of(&output);
+    if outcome.code == 0 && !args.contains(&"--dry-run") {
+        what_was_announced_is_done(&outcome);
+    }
+    (dest, outcome)
+}
+
+/// Progress ends at its total.
+#[track_caller]
+fn what_was_announced_is_done(outcome: &Outcome) {
+    let count = |line: Option<&str>| -> Option<u64> {
+        line?.split(" agent-frames").next()?.rsplit(' ').next()?.parse().ok()
+    };
+    let mut lines = outcome.stdout.lines();
+    let (announced, done) = (count(lines.next()), count(lines.next_back()));
+    assert!(announced.is_some() && announced == done, "{}", outcome.stdout);
 }
 
 #[test]
@@ -47,6 +64,7 @@ fn every_layout_reads_back() {
     nuscenes::check(&bench);
     opv2v::check(&bench);
     simbev2x::check(&bench);
+    messages::check(&bench);
 }
 
 /// However an export is made, its bytes are the same; what is there is kept, what is damaged made again, what
@@ -59,7 +77,11 @@ fn a_destination_is_gone_on_with(bench: &Bench) {
     outcome.expect_done();
     let (_, refused) = export(bench, "kitti", "two", &["--threads", "2"]);
     assert_eq!(refused.code, 2, "{}", refused.stderr);
-    assert!(refused.stderr.contains("other options"), "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("other options (--agents: vehicle_0,rsu_* -> all)"),
+        "{}",
+        refused.stderr
+    );
     let before = digests(&two);
     export(bench, "kitti", "two", &["--threads", "2", "--force", "--dry-run"]).1.expect_done();
     assert_eq!(before, digests(&two), "a dry run changes nothing");

@@ -29,6 +29,18 @@ pub(super) fn check(bench: &Bench) {
     let (all, outcome) = export(bench, "nuscenes", "nuscenes-all", &all);
     outcome.expect_done();
     read_back(bench, &all, "-100");
+    // Another version leaves nothing of the one before.
+    let named = |name: &'static str, dest: &str| {
+        let args = ["--no-map-mask", "--sensors", "LIDAR", "--version-name", name, "--force"];
+        let (dest, outcome) = export(bench, "nuscenes", dest, &args);
+        outcome.expect_done();
+        dest
+    };
+    let renamed = named("v1.0-first", "nuscenes-renamed");
+    assert!(renamed.join("v1.0-first/sample.json").is_file());
+    named("v1.0-second", "nuscenes-renamed");
+    assert!(!renamed.join("v1.0-first").exists() && !renamed.join("lidarseg/v1.0-first").exists());
+    assert_eq!(digests(&renamed), digests(&named("v1.0-second", "nuscenes-fresh")));
     // No more than must be.
     let least = ["--no-lidarseg", "--no-map-mask", "--sensors", "LIDAR,RGB-*", "--agents", "rsu_0"];
     let (least, outcome) = export(bench, "nuscenes", "nuscenes-least", &least);

@@ -21,18 +21,14 @@ pub struct UnitFiles<'a> {
     root: &'a Path,
     files: BTreeMap<String, u64>,
     folders: BTreeSet<PathBuf>,
-    journal: Option<Arc<Journal>>,
+    journal: Arc<Journal>,
     watch: &'a dyn ProgressWatch,
 }
 
 impl<'a> UnitFiles<'a> {
-    /// Files below a folder; where there is a journal, it names each before it is made.
-    pub(crate) fn new(
-        root: &'a Path,
-        journal: Option<(PathBuf, File)>,
-        watch: &'a dyn ProgressWatch,
-    ) -> Self {
-        let journal = journal.map(|(path, file)| Arc::new(Journal { path, file: Mutex::new(file) }));
+    /// Files below a folder; the journal names each before it is made.
+    pub(crate) fn new(root: &'a Path, (path, file): (PathBuf, File), watch: &'a dyn ProgressWatch) -> Self {
+        let journal = Arc::new(Journal { path, file: Mutex::new(file) });
         Self { root, files: BTreeMap::new(), folders: BTreeSet::new(), journal, watch }
     }
 
@@ -153,7 +149,7 @@ impl<'a> UnitFiles<'a> {
 
     /// Says in the journal that a file will be made.
     fn announce(&mut self, name: &str) -> Result<(), ExportError> {
-        let Some(Journal { path, file }) = self.journal.as_deref() else { return Ok(()) };
+        let Journal { path, file } = &*self.journal;
         // One write: a line of another piece never stands within it.
         let written =
             file.lock().unwrap_or_else(PoisonError::into_inner).write_all(format!("{name}\n").as_bytes());

@@ -1,5 +1,6 @@
 //! What a layout has to say.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use scene::{SensorEntry, SensorKind};
@@ -26,20 +27,28 @@ impl std::ops::AddAssign for Cost {
     }
 }
 
-/// Something of the store that is not in the export.
+/// Something of the store that is not in the export, or not as a reader may expect it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Omission {
     /// What: `SEG-* images`, `radar cross-sections`.
     pub what: String,
     /// Why: `the layout has no place for them`.
     pub why: String,
+    /// Whether it is in the export nevertheless, in another way.
+    pub is_note: bool,
 }
 
 impl Omission {
     /// Something that is left out, and why.
     #[must_use]
     pub fn new(what: impl Into<String>, why: impl Into<String>) -> Self {
-        Self { what: what.into(), why: why.into() }
+        Self { what: what.into(), why: why.into(), is_note: false }
+    }
+
+    /// Something that is not as a reader may expect it though nothing is left out, and why.
+    #[must_use]
+    pub fn note(what: impl Into<String>, why: impl Into<String>) -> Self {
+        Self { is_note: true, ..Self::new(what, why) }
     }
 
     /// A sensor that is left out, and why: of images the kind is told, of others the name.
@@ -64,6 +73,9 @@ pub trait Layout: Sync {
     /// All its options, from which the export's identity is made: what was exported with others is not gone
     /// on with.
     fn options(&self) -> serde_json::Value;
+
+    /// The same as people give them: what each option has, by its name on the command line.
+    fn by_option(&self) -> BTreeMap<String, String>;
 
     /// What a user should know of a destination before anything is written.
     fn caution(&self, _dest: &Path) -> Option<String> {
@@ -93,6 +105,15 @@ pub trait Layout: Sync {
     fn units(&self, scene: &SceneSource) -> Vec<UnitName> {
         let number = scene.number();
         scene.agents().iter().map(|agent| UnitName { scene: number, agent: Some(*agent) }).collect()
+    }
+
+    /// What other scenes of the store decide of a unit, in words that stay the same; nothing where it follows
+    /// from its own scene. Is asked after [`Layout::preflight`].
+    ///
+    /// # Errors
+    /// The store cannot be read.
+    fn of_others(&self, _scene: &SceneSource, _unit: UnitName) -> Result<Option<String>, ExportError> {
+        Ok(None)
     }
 
     /// In how many pieces a unit is written. More than one keep all threads busy also where there are few

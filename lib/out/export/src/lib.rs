@@ -1,11 +1,14 @@
 #![doc = include_str!("../README.md")]
 
+mod asked;
 pub mod command;
+mod common_files;
 mod disk;
 mod error;
 mod files;
 pub mod kitti;
 mod layout;
+mod lock;
 pub mod mcap;
 pub mod nuscenes;
 pub mod opv2v;

@@ -5,7 +5,7 @@
 //! Until then a journal names the unit's files before they are made, so that nothing is left of it that
 //! nobody knows.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -14,8 +14,11 @@ use serde::{Deserialize, Serialize};
 use store::hash_bytes;
 
 use crate::ExportError;
+use crate::asked::{Asked, changes};
+use crate::common_files::lines;
 use crate::disk::{UNFINISHED, inside, put, read_error, remove, unfinished, write_error};
 use crate::files::UnitFiles;
+use crate::lock::FolderLock;
 use crate::unit::{ProgressWatch, UnitName};
 
 /// Folder of the records.
@@ -55,8 +58,11 @@ struct Record {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Common {
     layout: String,
-    /// Its options and those of the selection, in words.
+    /// Its options and those of the selection, in words: what makes it the same.
     options: String,
+    /// The same option by option; nothing of exports of earlier versions.
+    #[serde(default)]
+    asked: BTreeMap<String, String>,
 }
 
 impl Destination {
@@ -72,21 +78,29 @@ impl Destination {
         &self.root
     }
 
-    fn records(&self) -> PathBuf {
+    pub(crate) fn records(&self) -> PathBuf {
         self.root.join(RECORDS).join(self.layout)
+    }
+
+    /// The right to write here, until it is dropped.
+    ///
+    /// # Errors
+    /// Another export is at work here, or the folder cannot be written.
+    pub(crate) fn lock(&self) -> Result<FolderLock, ExportError> {
+        FolderLock::take(&self.root.join(RECORDS), self.layout)
     }
 
     /// Refuses a folder that holds an export with other options, or strange files. Says whether there is an
     /// export with other options, which is to be replaced by `force`.
-    pub(crate) fn claim(&self, options: &str, force: bool) -> Result<bool, ExportError> {
+    pub(crate) fn claim(&self, asked: &Asked, force: bool) -> Result<bool, ExportError> {
         let path = self.records().join("export.json");
         match read_json::<Common>(&path)? {
-            Some(found) if found.options != options && !force => Err(ExportError::Refused(format!(
-                "{}: holds an export with other options ({}; now {options}): choose another folder, or --force to make all of it again",
+            Some(found) if found.options != asked.identity && !force => Err(ExportError::Refused(format!(
+                "{}: holds an export with other options ({}): choose another folder, or --force to make all of it again",
                 self.root.display(),
-                found.options
+                changes(&found.asked, &asked.by_option)
             ))),
-            Some(found) => Ok(found.options != options),
+            Some(found) => Ok(found.options != asked.identity),
             None if self.records().is_dir() => Ok(false),
             None => self.refuse_strangers().map(|()| false),
         }
@@ -102,8 +116,9 @@ impl Destination {
             let entry = entry.map_err(|source| read_error(&self.root, "list", source))?;
             if entry.file_name() != RECORDS {
                 let (root, name) = (self.root.display(), entry.file_name());
+                let name = name.display();
                 let problem =
-                    format!("{root}: holds {name:?} already, which no export made: choose another folder");
+                    format!("{root}: holds `{name}` already, which no export made: choose another folder");
                 return Err(ExportError::Refused(problem));
             }
         }
@@ -111,15 +126,18 @@ impl Destination {
     }
 
     /// Says what all units have in common.
-    pub(crate) fn declare(&self, options: &str) -> Result<(), ExportError> {
-        let common = Common { layout: self.layout.to_owned(), options: options.to_owned() };
+    pub(crate) fn declare(&self, asked: &Asked) -> Result<(), ExportError> {
+        let Asked { identity: options, by_option: asked } = asked.clone();
+        let common = Common { layout: self.layout.to_owned(), options, asked };
         put(&self.records().join("export.json"), &to_json(&common))
     }
 
-    /// Removes the files and records of all units.
+    /// Removes the files and records of all units, and what they have in common.
     pub(crate) fn forget_all(&self) -> Result<(), ExportError> {
+        self.forget_common()?;
         for unit in self.named(".json")?.into_iter().chain(self.named(JOURNAL)?) {
-            self.forget(unit)?;
+            let names = self.forget(unit)?;
+            self.prune(&names);
         }
         Ok(())
     }
@@ -203,8 +221,8 @@ impl Destination {
     }
 
     /// Removes a unit: its record first, then its files, also those that a killed run has begun; last what
-    /// names them.
-    fn forget(&self, unit: UnitName) -> Result<(), ExportError> {
+    /// names them. The names of the files; their folders stay, as other units may be about to write there.
+    fn forget(&self, unit: UnitName) -> Result<Vec<String>, ExportError> {
         let journal = self.journal_path(unit);
         if let Some(record) = self.record(unit)? {
             // Should this be killed, the next one knows of the files.
@@ -213,18 +231,25 @@ impl Destination {
             remove(&self.record_path(unit))?;
         }
         remove(&self.fragment_path(unit))?;
-        let begun = match fs::read(&journal) {
-            Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
-            other => other.map_err(|source| read_error(&journal, "read", source))?,
-        };
-        // A line that was cut off names a file that was not made yet.
-        let lines = begun.split_inclusive(|&byte| byte == b'\n').filter_map(|line| line.strip_suffix(b"\n"));
-        for name in lines.filter_map(|line| std::str::from_utf8(line).ok()) {
+        let names = lines(&journal)?;
+        for name in &names {
             let path = inside(&self.root, name)?;
             remove(&unfinished(&path))?;
             remove(&path)?;
         }
-        remove(&journal)
+        remove(&journal)?;
+        Ok(names)
+    }
+
+    /// Removes the folders that are empty without some files.
+    pub(crate) fn prune<'n>(&self, names: impl IntoIterator<Item = &'n String>) {
+        let folder = |name: &String| self.root.join(name).parent().map(Path::to_owned);
+        let folders: BTreeSet<PathBuf> = names.into_iter().filter_map(folder).collect();
+        for folder in folders {
+            let above = folder.ancestors().take_while(|above| *above != self.root);
+            // What is not empty stays.
+            let _ = above.map(fs::remove_dir).take_while(Result::is_ok).count();
+        }
     }
 
     /// Starts a unit anew.
@@ -238,12 +263,7 @@ impl Destination {
         fs::create_dir_all(self.records())
             .map_err(|source| write_error(&path, "make the folder of", source))?;
         let journal = File::create(&path).map_err(|source| write_error(&path, "create", source))?;
-        Ok(UnitFiles::new(&self.root, Some((path, journal)), watch))
-    }
-
-    /// Files that belong to no unit.
-    pub(crate) fn files<'a>(&'a self, watch: &'a dyn ProgressWatch) -> UnitFiles<'a> {
-        UnitFiles::new(&self.root, None, watch)
+        Ok(UnitFiles::new(&self.root, (path, journal), watch))
     }
 
     /// Ends units: from here on they are kept.
@@ -398,8 +418,9 @@ mod tests {
     fn names_stay_below_the_folder() {
         let folder = tempfile::tempdir().expect("a folder");
         let place = Destination::new(folder.path(), "test");
+        let mut files = place.begin_common(&Nobody).expect("can be written");
         for name in ["", "/etc/x", "../x", "a/../../x"] {
-            assert!(place.files(&Nobody).put(name, b"").is_err(), "{name}");
+            assert!(files.put(name, b"").is_err(), "{name}");
         }
     }
 }

@@ -1,7 +1,10 @@
 //! Makes an export: what is missing of it, unit by unit, then what is common to all.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use store::hash_bytes;
 
+use crate::asked::Asked;
 use crate::layout::Cost;
 use crate::unit::{ProgressWatch, UnitName};
 use crate::work::{self, Job};
@@ -18,9 +21,9 @@ pub struct Plan {
     pub done: usize,
     /// What is left out of the store's content, and why.
     pub omissions: Vec<Omission>,
-    options: String,
+    asked: Asked,
     /// Whether an export with other options gives way.
-    replaces: bool,
+    force: bool,
 }
 
 impl Plan {
@@ -38,6 +41,21 @@ pub struct Outcome {
     pub made: usize,
     /// Units in the destination, those of earlier runs among them.
     pub units: usize,
+    /// Frames of agents made: as many as the plan's cost says.
+    pub agent_frames: u64,
+}
+
+/// Counts what is told to a watch.
+struct Counted<'a> {
+    watch: &'a dyn ProgressWatch,
+    done: AtomicU64,
+}
+
+impl ProgressWatch for Counted<'_> {
+    fn advance(&self, agent_frames: u64) -> bool {
+        self.done.fetch_add(agent_frames, Ordering::Relaxed);
+        self.watch.advance(agent_frames)
+    }
 }
 
 /// Looks what of an export is missing. Writes nothing. With `force` everything is made again.
@@ -59,12 +77,14 @@ pub fn plan(
     }
     let mut omissions = layout.preflight(source)?;
     omissions.extend(never_had(source));
-    let options = format!("{}; {}; {}", layout.name(), layout.options(), source.selection.identity());
-    let replaces = place.claim(&options, force)?;
+    let asked = Asked::of(layout, &source.selection);
+    place.claim(&asked, force)?;
     let (mut units, mut cost, mut done) = (Vec::new(), Cost::default(), 0);
     for scene in &source.scenes {
         for unit in layout.units(scene) {
-            let identity = hash_bytes(format!("{options}\n{code_version}\n{}", scene.digest()).as_bytes());
+            let others = layout.of_others(scene, unit)?.map_or(String::new(), |words| format!("\n{words}"));
+            let own = format!("{}\n{code_version}\n{}{others}", asked.identity, scene.digest());
+            let identity = hash_bytes(own.as_bytes());
             if !force && place.is_done(unit, &identity)? {
                 done += 1;
                 continue;
@@ -73,7 +93,7 @@ pub fn plan(
             units.push((unit, identity));
         }
     }
-    Ok(Plan { units, cost, done, omissions, options, replaces })
+    Ok(Plan { units, cost, done, omissions, asked, force })
 }
 
 /// What imported scenes have only zeros of.
@@ -87,7 +107,7 @@ fn never_had(source: &Source) -> Option<Omission> {
 /// number.
 ///
 /// # Errors
-/// The first error in the order of units; what is finished is kept.
+/// Another export is at work there, or the first error in the order of units; what is finished is kept.
 pub fn export(
     layout: &dyn Layout,
     source: &Source,
@@ -95,10 +115,12 @@ pub fn export(
     plan: &Plan,
     watch: &dyn ProgressWatch,
 ) -> Result<Outcome, ExportError> {
-    if plan.replaces {
+    let _lock = place.lock()?;
+    // Another export may have been at work there since the plan was made.
+    if place.claim(&plan.asked, plan.force)? {
         place.forget_all()?;
     }
-    place.declare(&plan.options)?;
+    place.declare(&plan.asked)?;
     place.tidy()?;
     let scene_of = |unit: &UnitName| source.scenes.iter().find(|scene| scene.number() == unit.scene);
     let job = |(unit, identity): &(UnitName, String)| {
@@ -110,15 +132,17 @@ pub fn export(
         Some(scene) => layout.write_piece(scene, job.unit, piece, files),
         None => Ok(Vec::new()),
     };
-    work::make(&jobs, layout.is_parallel_inside(), (place, watch), &write)?;
+    let counted = Counted { watch, done: AtomicU64::new(0) };
+    work::make(&jobs, layout.is_parallel_inside(), (place, &counted), &write)?;
     let mut fragments = Vec::new();
     for unit in place.finished()? {
         if let Some(fragment) = place.fragment(unit)? {
             fragments.push((unit, fragment));
         }
     }
-    let mut files = place.files(watch);
+    let mut files = place.begin_common(&counted)?;
     layout.finish(source, &fragments, &mut files)?;
-    place.sync()?;
-    Ok(Outcome { made: plan.units.len(), units: fragments.len() })
+    place.end_common(files)?;
+    let agent_frames = counted.done.load(Ordering::Relaxed);
+    Ok(Outcome { made: plan.units.len(), units: fragments.len(), agent_frames })
 }

@@ -108,8 +108,8 @@ fn check_selection(source: &Source, selection: &Selection) -> Result<(), ImportE
     if unknown.is_empty() {
         return Ok(());
     }
-    let root = source.root().display();
-    Err(ImportError::Refused(format!("{root}: scenes {unknown:?} are not in its infos")))
+    let (root, unknown) = (source.root().display(), unknown.iter().map(u32::to_string).collect::<Vec<_>>());
+    Err(ImportError::Refused(format!("--scenes: {root}: its infos have no scene {}", unknown.join(", "))))
 }
 
 /// Whether a scene is imported; an error where the store has another one of this number.

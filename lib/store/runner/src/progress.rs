@@ -29,6 +29,25 @@ struct Plain {
     done: u64,
     total: u64,
     spoke: Instant,
+    /// What was done when it spoke last; nothing if it has not.
+    said: Option<u64>,
+}
+
+impl Plain {
+    /// What is to be said after so long a silence.
+    fn line(&mut self, period: Duration) -> Option<String> {
+        if self.spoke.elapsed() < period {
+            return None;
+        }
+        self.spoke = Instant::now();
+        self.said = Some(self.done);
+        Some(format!("{}/{}", self.done, self.total))
+    }
+
+    /// The last line, where there were some and the last one is old.
+    fn last_line(&mut self) -> Option<String> {
+        if self.said.is_some_and(|said| said != self.done) { self.line(Duration::ZERO) } else { None }
+    }
 }
 
 impl Progress {
@@ -49,7 +68,9 @@ impl Progress {
                 bar.set_prefix(label.clone());
                 Kind::Bar(bar)
             }
-            ProgressMode::Plain => Kind::Plain(Mutex::new(Plain { done: 0, total, spoke: Instant::now() })),
+            ProgressMode::Plain => {
+                Kind::Plain(Mutex::new(Plain { done: 0, total, spoke: Instant::now(), said: None }))
+            }
         };
         Self { kind: Arc::new(kind), label: label.into() }
     }
@@ -82,19 +103,40 @@ impl Progress {
             Kind::Plain(plain) => {
                 let Ok(mut plain) = plain.lock() else { return };
                 plain.done += amount;
-                if plain.spoke.elapsed() >= PLAIN_PERIOD {
-                    plain.spoke = Instant::now();
-                    tracing::info!("{}: {}/{}", self.label, plain.done, plain.total);
+                if let Some(line) = plain.line(PLAIN_PERIOD) {
+                    tracing::info!("{}: {line}", self.label);
                 }
             }
             Kind::Silent => {}
         }
     }
 
-    /// Takes a bar off the terminal.
+    /// Takes a bar off the terminal; lines end with what was done at last.
     pub fn finish(&self) {
-        if let Kind::Bar(bar) = &*self.kind {
-            bar.finish_and_clear();
+        match &*self.kind {
+            Kind::Bar(bar) => bar.finish_and_clear(),
+            Kind::Plain(plain) => {
+                if let Some(line) = plain.lock().ok().and_then(|mut plain| plain.last_line()) {
+                    tracing::info!("{}: {line}", self.label);
+                }
+            }
+            Kind::Silent => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_end_with_what_was_done_at_last() {
+        let mut plain = Plain { done: 176, total: 240, spoke: Instant::now(), said: None };
+        assert_eq!(plain.line(PLAIN_PERIOD), None);
+        assert_eq!(plain.last_line(), None, "it ended before its first line");
+        assert_eq!(plain.line(Duration::ZERO).as_deref(), Some("176/240"));
+        assert_eq!(plain.last_line(), None, "that is said already");
+        plain.done = 240;
+        assert_eq!(plain.last_line().as_deref(), Some("240/240"));
     }
 }

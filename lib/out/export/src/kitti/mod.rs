@@ -28,6 +28,7 @@ use serde::Serialize;
 use settings::Lens;
 
 use self::pair::{MOST, Pair, Sequence};
+use crate::asked::by_option;
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
 
 /// What a user may choose.
@@ -92,6 +93,10 @@ impl Layout for Kitti {
 
     fn options(&self) -> serde_json::Value {
         serde_json::json!(self.options)
+    }
+
+    fn by_option(&self) -> BTreeMap<String, String> {
+        by_option(&self.options)
     }
 
     fn needs(&self) -> Vec<&'static str> {

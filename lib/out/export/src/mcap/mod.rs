@@ -30,11 +30,14 @@ mod tracks;
 mod wire;
 mod write;
 
+use std::collections::BTreeMap;
+
 use schema::table::Row;
 use schema::tables::BoxRow;
 
 pub use options::McapOptions;
 
+use crate::asked::by_option;
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
 
 /// The layout.
@@ -65,6 +68,10 @@ impl Layout for Mcap {
 
     fn options(&self) -> serde_json::Value {
         serde_json::json!(self.options)
+    }
+
+    fn by_option(&self) -> BTreeMap<String, String> {
+        by_option(&self.options)
     }
 
     fn needs(&self) -> Vec<&'static str> {

@@ -26,6 +26,8 @@ mod rows;
 mod unit;
 mod vocabulary;
 
+use std::collections::BTreeMap;
+
 use schema::table::Row;
 use schema::tables::{BoxRow, CameraRow, ValidBoxRow};
 
@@ -34,6 +36,7 @@ pub use vocabulary::Modality;
 
 use unit::Fragment;
 
+use crate::asked::by_option;
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
 
 /// The layout.
@@ -59,6 +62,10 @@ impl Layout for NuScenes {
 
     fn options(&self) -> serde_json::Value {
         serde_json::json!(self.options)
+    }
+
+    fn by_option(&self) -> BTreeMap<String, String> {
+        by_option(&self.options)
     }
 
     fn needs(&self) -> Vec<&'static str> {

@@ -26,9 +26,9 @@ mod vehicles;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use scene::{SensorEntry, SensorKind};
+use scene::{SensorEntry, SensorKind, sensors_of};
 use schema::ImageKind;
 use schema::arrays::BEV_MASKS;
 use schema::scene_info::LOG_STAGE;
@@ -40,9 +40,10 @@ pub use options::{Opv2vOptions, SharedOptions};
 
 use options::{Options, Variant};
 
+use crate::asked::by_option;
 use crate::source::NO_MAP;
 use bev::RoadChannel;
-use roster::{AgentRoster, Member};
+use roster::{AgentRoster, Member, StandIns};
 
 /// Why lanes are left out of pictures of scenes that were made here.
 const NO_LINES: &str = "the store has no lines of it: `convoy run` writes them";
@@ -56,6 +57,8 @@ pub struct Opv2v {
     options: Options,
     /// What was chosen of scenes.
     crews: Mutex<BTreeMap<u32, Arc<AgentRoster>>>,
+    /// What stands in for pictures in scenes that have none at all, if others have; known after the preflight.
+    of_others: OnceLock<Option<StandIns>>,
 }
 
 impl Opv2v {
@@ -72,7 +75,8 @@ impl Opv2v {
     }
 
     fn new(variant: Variant, options: Opv2vOptions) -> Self {
-        Self { options: Options::new(variant, options), crews: Mutex::default() }
+        let options = Options::new(variant, options);
+        Self { options, crews: Mutex::default(), of_others: OnceLock::new() }
     }
 
     /// The agents of a scene that are exported; looked up once.
@@ -88,6 +92,38 @@ impl Opv2v {
         crews.insert(scene.number(), Arc::clone(&roster));
         Ok(roster)
     }
+
+    /// What stands in for a member's pictures: HEAL opens four of every agent, whatever it uses of them, as
+    /// soon as one of them has some.
+    fn stand_ins(&self, roster: &AgentRoster, member: &Member) -> Option<StandIns> {
+        if member.cameras.is_some() || self.options.variant != Variant::Opv2v {
+            return None;
+        }
+        roster.stand_ins().or_else(|| self.of_others.get().copied().flatten())
+    }
+
+    /// What the first scene that has pictures has: of those that are wanted, else of the others of the store,
+    /// so that the same is made whether an export grows scene by scene or not.
+    fn stand_ins_of_others(&self, source: &Source) -> Result<Option<StandIns>, ExportError> {
+        if self.options.variant != Variant::Opv2v {
+            return Ok(None);
+        }
+        for scene in &source.scenes {
+            let found = self.roster(scene)?.stand_ins();
+            if found.is_some() {
+                return Ok(found);
+            }
+        }
+        for scene in source.other_scenes(&self.needs())? {
+            match AgentRoster::of(&scene?, &self.options).map(|roster| roster.stand_ins()) {
+                Ok(Some(found)) => return Ok(Some(found)),
+                // Nobody of it can be exported.
+                Ok(None) | Err(ExportError::Refused(_)) => {}
+                Err(e) => return Err(e),
+            }
+        }
+        Ok(None)
+    }
 }
 
 impl Layout for Opv2v {
@@ -100,6 +136,10 @@ impl Layout for Opv2v {
 
     fn options(&self) -> serde_json::Value {
         serde_json::json!(self.options)
+    }
+
+    fn by_option(&self) -> BTreeMap<String, String> {
+        by_option(&self.options.chosen)
     }
 
     /// HEAL replaces words wherever they are in a path.
@@ -129,6 +169,8 @@ impl Layout for Opv2v {
         {
             return Err(ExportError::Refused(format!("V2X-Real has no type for the class {}", class.name())));
         }
+        let of_others = self.stand_ins_of_others(source)?;
+        self.of_others.get_or_init(|| of_others);
         let mut omissions = BTreeSet::new();
         let mut sizes: BTreeMap<[u32; 2], String> = BTreeMap::new();
         for scene in &source.scenes {
@@ -145,6 +187,13 @@ impl Layout for Opv2v {
             }
             for member in &roster.members {
                 omissions.extend(unplaced(scene, member, variant)?);
+                if self.stand_ins(&roster, member).is_some() {
+                    let what = format!("pictures of {} are black", member.agent);
+                    omissions.insert(Omission::note(
+                        what,
+                        "it has no four cameras, and HEAL opens four of every agent",
+                    ));
+                }
                 for camera in member.cameras.iter().flatten() {
                     let whose = || format!("scene {} {}", scene.number(), member.agent);
                     sizes.entry(camera.size_px()).or_insert_with(whose);
@@ -176,6 +225,17 @@ impl Layout for Opv2v {
         Ok(Cost { agent_frames: frames, bytes: all(per_frame[0]) as u64, cpu_s: all(per_frame[1]) })
     }
 
+    fn of_others(&self, scene: &SceneSource, unit: UnitName) -> Result<Option<String>, ExportError> {
+        let roster = self.roster(scene)?;
+        // Pictures of its own scene follow from that.
+        if roster.stand_ins().is_some() {
+            return Ok(None);
+        }
+        let member = unit.agent.and_then(|agent| roster.member(agent));
+        let stand_ins = member.and_then(|member| self.stand_ins(&roster, member));
+        Ok(stand_ins.map(|stand_ins| format!("stand-ins {}", serde_json::json!(stand_ins))))
+    }
+
     fn write_piece(
         &self,
         scene: &SceneSource,
@@ -184,10 +244,9 @@ impl Layout for Opv2v {
         files: &mut UnitFiles<'_>,
     ) -> Result<Vec<u8>, ExportError> {
         let roster = self.roster(scene)?;
-        match unit.agent.and_then(|agent| roster.member(agent)) {
-            Some(member) => unit::write(scene, &roster, member, &self.options, files),
-            None => Ok(Vec::new()),
-        }
+        let Some(member) = unit.agent.and_then(|agent| roster.member(agent)) else { return Ok(Vec::new()) };
+        let stand_ins = self.stand_ins(&roster, member);
+        unit::write(scene, &roster, (member, stand_ins), &self.options, files)
     }
 
     fn finish(
@@ -210,10 +269,13 @@ impl Opv2v {
         let mut found = Vec::new();
         let told = |([width, height], whose): (&[u32; 2], &String)| format!("{width} x {height} of {whose}");
         match sizes.iter().map(told).collect::<Vec<_>>().as_slice() {
+            [] if !has_color(source)? => {
+                found.push(Omission::note("there are no camera pictures", "the store has none"));
+            }
             [] => found.push(Omission::new("camera pictures", "no agent has four color cameras that are wanted")),
             [_] if sizes.contains_key(&[800, 600]) => {}
-            [size] => found.push(Omission::new(
-                format!("pictures of 800 x 600 pixels (they are {size})"),
+            [size] => found.push(Omission::note(
+                format!("pictures are {size}, not 800 x 600"),
                 "the store has them so; hypes/adapt_hypes.py says it to HEAL, and configs/rigs/opv2v.toml is the original rig",
             )),
             several => {
@@ -230,6 +292,19 @@ impl Opv2v {
         }
         Ok(found)
     }
+}
+
+/// Whether some agent has a color camera, wanted or not.
+fn has_color(source: &Source) -> Result<bool, ExportError> {
+    for scene in &source.scenes {
+        for agent in scene.agents() {
+            let is_color = |sensor: &SensorEntry| sensor.kind == SensorKind::Image(ImageKind::Rgb);
+            if sensors_of(scene.reader(), *agent)?.iter().any(is_color) {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
 }
 
 /// An agent's sensors that the layout has no place for.

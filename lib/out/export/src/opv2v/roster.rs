@@ -6,6 +6,7 @@ use frames::{Agent, Optical, Pose, Sensor, flu_from_optical};
 use nalgebra::Vector3;
 use scene::{SensorEntry, SensorKind, sensors_of};
 use schema::{AgentId, AgentKind, ImageKind};
+use serde::Serialize;
 use settings::Lens;
 
 use super::beams::Rings;
@@ -32,8 +33,8 @@ pub(super) struct AgentRoster {
     pub(super) omissions: BTreeSet<Omission>,
 }
 
-/// Pictures for a member that has no four cameras, beside members that have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Pictures for a member that has no four cameras, where others of the export have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(super) struct StandIns {
     /// Columns and rows of the others' pictures.
     pub(super) size_px: [u32; 2],
@@ -106,11 +107,6 @@ impl AgentRoster {
         let rates = rates.chain([scene.info().label_every_n_frames, scene.every_n_frames()]);
         let mut roster = Self { every_n_frames: rates.fold(1, least_common_multiple), members, omissions };
         roster.drop_slow_pictures();
-        let without = roster.members.iter().filter(|m| roster.stand_ins(m, options.variant).is_some());
-        let why = "HEAL opens four pictures of every agent: black ones stand in";
-        let stand_ins: Vec<Omission> =
-            without.map(|m| Omission::new(format!("what cameras of {} see", m.agent), why)).collect();
-        roster.omissions.extend(stand_ins);
         Ok(roster)
     }
 
@@ -123,14 +119,11 @@ impl AgentRoster {
         self.members.iter().find(|member| member.agent == agent)
     }
 
-    /// What stands in for a member's pictures: HEAL opens four of every agent, whatever it uses of them.
-    pub(super) fn stand_ins(&self, member: &Member, variant: Variant) -> Option<StandIns> {
-        if member.cameras.is_some() || variant != Variant::Opv2v {
-            return None;
-        }
-        let others = self.members.iter().find_map(|other| other.cameras.as_ref())?;
-        let have_depths = others.iter().all(|camera| camera.depth.is_some());
-        Some(StandIns { size_px: others[0].size_px(), have_depths })
+    /// What would stand in for pictures beside those of its first member that has some.
+    pub(super) fn stand_ins(&self) -> Option<StandIns> {
+        let cameras = self.members.iter().find_map(|member| member.cameras.as_ref())?;
+        let have_depths = cameras.iter().all(|camera| camera.depth.is_some());
+        Some(StandIns { size_px: cameras[0].size_px(), have_depths })
     }
 
     /// Cameras must have a picture of every exported frame.

@@ -35,11 +35,11 @@ const STAND_IN_FOV_DEG: f64 = 100.0;
 pub(super) fn write(
     scene: &SceneSource,
     roster: &AgentRoster,
-    member: &Member,
+    (member, stand_ins): (&Member, Option<StandIns>),
     options: &Options,
     files: &mut UnitFiles<'_>,
 ) -> Result<Vec<u8>, ExportError> {
-    let mut unit = Unit::open(scene, roster, member, options)?;
+    let mut unit = Unit::open(scene, roster, (member, stand_ins), options)?;
     let mut most_boxes = 0;
     for frame in roster.frames(scene) {
         most_boxes = most_boxes.max(unit.frame(frame, files)?);
@@ -107,7 +107,7 @@ impl<'a> Unit<'a> {
     fn open(
         scene: &'a SceneSource,
         roster: &'a AgentRoster,
-        member: &'a Member,
+        (member, stand_ins): (&'a Member, Option<StandIns>),
         options: &'a Options,
     ) -> Result<Self, ExportError> {
         let mut rows = scene.agent_rows()?;
@@ -134,7 +134,7 @@ impl<'a> Unit<'a> {
             pictures,
             depths,
             boxes: scene.boxes_of_all()?,
-            stand_ins: roster.stand_ins(member, options.variant),
+            stand_ins,
             above: (options.variant == Variant::Opv2v)
                 .then(|| Above::open(scene, roster, member.agent))
                 .transpose()?,

@@ -32,6 +32,7 @@ pub use options::{Options, State};
 
 use self::agent_unit::{Holding, check_rate};
 use self::rig::{Rigs, Voxels};
+use crate::asked::by_option;
 use crate::source::NO_MAP;
 use crate::{Cost, ExportError, Layout, Omission, SceneSource, Source, UnitFiles, UnitName};
 
@@ -111,7 +112,7 @@ fn check_agents(scene: &SceneSource) -> Result<(), ExportError> {
 }
 
 /// What the layout has no place for, whatever the store holds.
-const NO_PLACE: [(&str, &str); 5] = [
+const NO_PLACE: [(&str, &str); 4] = [
     ("intensity, ring, time, object and tag of lidar returns", "the layout has x, y, z"),
     ("cross-section, signal to noise, object and tag of radar returns", "the layout has four columns"),
     ("2-D boxes, visible pixels, occlusion and truncation", "the layout has no place for them"),
@@ -119,8 +120,10 @@ const NO_PLACE: [(&str, &str); 5] = [
         "tracks, sightings and forecasting windows",
         "the layout has no place for them; ids stay the same over a scene",
     ),
-    ("log tables by frame", "they go along in logs/, as an archive that only Convoy reads"),
 ];
+/// What is there in another way.
+const ELSEWHERE: [(&str, &str); 1] =
+    [("log tables by frame are in logs/", "as an archive that only Convoy reads")];
 
 impl Layout for SimBev2x {
     fn name(&self) -> &'static str {
@@ -131,6 +134,10 @@ impl Layout for SimBev2x {
         serde_json::json!(self.options)
     }
 
+    fn by_option(&self) -> BTreeMap<String, String> {
+        by_option(&self.options)
+    }
+
     fn needs(&self) -> Vec<&'static str> {
         if self.is_processed() { vec![LOG_STAGE, ValidBoxRow::STAGE] } else { vec![LOG_STAGE] }
     }
@@ -139,6 +146,9 @@ impl Layout for SimBev2x {
         let (mut rigs, mut omissions) = (Rigs::default(), Vec::new());
         for (what, why) in NO_PLACE {
             omissions.push(Omission::new(what, why));
+        }
+        for (what, how) in ELSEWHERE {
+            omissions.push(Omission::note(what, how));
         }
         if source.selection.every_n_frames > 1 {
             let why =

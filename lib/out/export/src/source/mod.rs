@@ -50,20 +50,13 @@ impl Source {
     /// # Errors
     /// It is no store, it cannot be read, or scenes were named that are not in its plan.
     pub fn open(store: &Store, selection: &Selection, needs: &[&'static str]) -> Result<Self, ExportError> {
-        let plan = store.manifest(Scope::Plan, PlanSceneRow::STAGE)?.ok_or_else(|| {
-            let place = store.location("");
-            ExportError::Refused(format!(
-                "{place}: there is no finished store (no plan); run `make dataset` first"
-            ))
-        })?;
-        let planned: Vec<Planned> = store.read_rows(&plan, keys::PLAN_SCENES)?;
+        let planned = planned(store)?;
         let named = selection.scenes.iter().flatten().flat_map(|(first, last)| [*first, *last]);
         let unknown: BTreeSet<u32> =
             named.filter(|scene| planned.iter().all(|p| p.scene != *scene)).collect();
         if !unknown.is_empty() {
-            return Err(ExportError::Refused(format!(
-                "scenes {unknown:?} are not in the plan of this store"
-            )));
+            let (place, unknown) = (store.location(""), in_words(unknown));
+            return Err(ExportError::Refused(format!("--scenes: {place}: its plan has no scene {unknown}")));
         }
         let kinds = store::scene_kinds(store)?;
         let no_such = selection.groups.iter().find(|name| kinds.values().all(|kind| kind.group != **name));
@@ -91,6 +84,28 @@ impl Source {
         Ok(Self { store: store.clone(), selection: selection.clone(), scenes, unfinished })
     }
 
+    /// The other finished scenes of the store with wanted agents, one after another: an export may grow by
+    /// them.
+    ///
+    /// # Errors
+    /// The store cannot be read; so for each scene.
+    pub(crate) fn other_scenes(
+        &self,
+        needs: &[&'static str],
+    ) -> Result<impl Iterator<Item = Result<SceneSource, ExportError>>, ExportError> {
+        let mut planned = planned(&self.store)?;
+        planned.sort_by_key(|planned| planned.scene);
+        planned.retain(|planned| self.scenes.iter().all(|scene| scene.number() != planned.scene));
+        Ok(planned.into_iter().filter_map(move |Planned { scene, .. }| {
+            match SceneSource::open(&self.store, scene, &self.selection, &STAGES, needs) {
+                Ok(Ok(source)) => Some(Ok(source)),
+                // It is not finished, or has none of the wanted agents.
+                Ok(Err(_)) | Err(ExportError::Refused(_)) => None,
+                Err(e) => Some(Err(e)),
+            }
+        }))
+    }
+
     /// The configuration that the store was made from, as `dataset.json` has it.
     ///
     /// # Errors
@@ -98,6 +113,22 @@ impl Source {
     pub fn dataset(&self) -> Result<serde_json::Value, ExportError> {
         dataset(&self.store)
     }
+}
+
+/// The scenes of a store's plan.
+fn planned(store: &Store) -> Result<Vec<Planned>, ExportError> {
+    let plan = store.manifest(Scope::Plan, PlanSceneRow::STAGE)?.ok_or_else(|| {
+        let place = store.location("");
+        ExportError::Refused(format!(
+            "{place}: there is no finished store (no plan); run `make dataset` first"
+        ))
+    })?;
+    Ok(store.read_rows(&plan, keys::PLAN_SCENES)?)
+}
+
+/// Numbers in a row.
+fn in_words(all: impl IntoIterator<Item = u32>) -> String {
+    all.into_iter().map(|one| one.to_string()).collect::<Vec<_>>().join(", ")
 }
 
 /// The configuration that a store was made from, as `dataset.json` has it.

@@ -48,11 +48,13 @@ impl SceneSource {
         let digest = hash_bytes(digests.concat().as_bytes());
         let reader = SceneReader::new(store, scene, manifests);
         let (info, all) = (reader.info()?, reader.agents()?);
-        let agents: Vec<AgentId> = all.into_iter().filter(|agent| selection.has_agent(*agent)).collect();
+        let agents: Vec<AgentId> = all.iter().copied().filter(|agent| selection.has_agent(*agent)).collect();
         if agents.is_empty() {
+            let has: Vec<String> = all.iter().map(ToString::to_string).collect();
             return Err(ExportError::Refused(format!(
-                "scene {scene} has none of the agents {:?}",
-                selection.agents
+                "--agents {}: scene {scene} has none of them; it has {}",
+                selection.agents.join(","),
+                has.join(", ")
             )));
         }
         Ok(Ok(Self { reader, info, agents, selection: selection.clone(), digest, sensors: Arc::default() }))
