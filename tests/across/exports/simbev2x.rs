@@ -63,6 +63,7 @@ fn imports_are_as_what_was_exported(bench: &Bench, processed: &Path, raw: &Path)
     assert_eq!(files(&one), files(&two), "other bytes for another number of threads");
     let (_, kept) = import(bench, processed, "imported", &[]);
     assert!(kept.stdout.contains("0 scenes imported"), "{}", kept.stdout);
+    a_fresh_import_is_whole(bench, &one);
 
     // Tracks are made as of any store, statistics too; what would need the log is refused.
     on(bench, &one, "merge-tracks", &[]).expect_done();
@@ -71,6 +72,8 @@ fn imports_are_as_what_was_exported(bench: &Bench, processed: &Path, raw: &Path)
     assert_eq!(refused.code, 2, "{}", refused.stderr);
     assert!(refused.stderr.contains("imported, without a log that bev-gt"), "{}", refused.stderr);
     on(bench, &one, "stats", &[]).expect_done();
+    let status = Command::new(program("convoy")).args(["status", "--store"]).arg(&one).output();
+    Outcome::of(&status.expect("the program starts")).expect_done();
     on(bench, &one, "check", &[]).expect_done();
     exports_of_imports_say_what_they_lack(bench, &one);
     pictures_of_imports_say_what_they_lack(bench, &one);
@@ -89,6 +92,39 @@ fn imports_are_as_what_was_exported(bench: &Bench, processed: &Path, raw: &Path)
     let scratch = bench.folder.path().join("foreign");
     std::fs::create_dir(&scratch).expect("made");
     check_in_python("exports/foreign.py", &packages, &[&program("import"), &scratch]);
+}
+
+/// An import has no configuration: none is asked for. What has not been made of it is no fault.
+fn a_fresh_import_is_whole(bench: &Bench, store: &Path) {
+    let folder = bench.folder.path().display().to_string();
+    let run = |command: &str, store: &Path| {
+        let mut program = Command::new(program("convoy"));
+        program.arg(command).arg("--store").arg(store);
+        Outcome::of(&program.output().expect("the program starts"))
+    };
+    let said = |text: &str| {
+        let line = |line: &str| line.split_once("ERROR ").map_or(line, |(_, rest)| rest).to_owned();
+        text.replace(&folder, "FOLDER").lines().map(line).collect::<Vec<_>>().join("\n")
+    };
+    let verified = run("verify", store);
+    verified.expect_done();
+    let notes = verified.stdout.lines().filter(|line| line.starts_with("note: "));
+    insta::assert_snapshot!("verify-of-an-import", notes.collect::<Vec<_>>().join("\n"));
+    assert!(verified.stdout.contains(": 0 faulty"), "{}", verified.stdout);
+    let status = run("status", store);
+    assert_eq!(status.code, 1, "tracks and statistics are missing: {status:?}");
+    insta::assert_snapshot!("status-of-an-import", said(&status.stdout));
+    // A file whose manifest was lost is found all the same.
+    let manifest = store.join("scenes/0000/_manifests/postprocess-valid.json");
+    let kept = std::fs::read(&manifest).expect("is there");
+    std::fs::remove_file(&manifest).expect("goes");
+    let faulty = run("verify", store);
+    assert!(faulty.code == 1 && faulty.stdout.contains("boxes_valid.parquet: no manifest"), "{faulty:?}");
+    std::fs::write(&manifest, kept).expect("is written");
+    // What was made here has a configuration.
+    let refused = run("status", &bench.store());
+    assert_eq!(refused.code, 2, "{refused:?}");
+    insta::assert_snapshot!("status-without-a-configuration", said(&refused.stderr));
 }
 
 /// What the dataset did not say is no reading: thinned clouds go by elevation, labels of points and lanes are

@@ -3,7 +3,9 @@
 mod member;
 mod merge;
 mod mixed;
+mod status;
 mod tidy;
+mod verify;
 mod why;
 
 use std::path::PathBuf;
@@ -12,12 +14,10 @@ use std::time::{Duration, Instant};
 
 use arguments::stage::Progress;
 use clap::Subcommand;
-use store::{SceneKind, Scope, Store};
 
 use runner::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, EditionWish, Editions, Foresight, Graph,
-    Programs, STAMP_LEN, SceneList, StageError, StageSpec, State, StateError, Status, UnitKind,
-    planned_scenes, say, settings_or_faults,
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, Programs, STAMP_LEN, SceneList, UnitKind,
+    say,
 };
 
 /// How often a running stage is looked at.
@@ -71,9 +71,9 @@ pub(crate) enum StoreCommand {
     },
     /// Prints a table of scenes and stages: done, stale, failed, missing.
     Status {
-        /// Dataset configuration (TOML, or YAML of SimBEV2X).
+        /// Dataset configuration (TOML, or YAML of SimBEV2X); a store that was imported needs none.
         #[arg(long, value_name = "FILE")]
-        config: PathBuf,
+        config: Option<PathBuf>,
         /// The store: a folder, by its path or as file:///FOLDER.
         #[arg(long, value_name = "DIR")]
         store: PathBuf,
@@ -88,7 +88,7 @@ pub(crate) enum StoreCommand {
         edition: Option<u32>,
         /// Only why a stage of a scene is done, stale, missing or failed: the changed keys that it sees, what
         /// it was made from, and the same of that, down to the plan.
-        #[arg(long, num_args = 2, value_names = ["SCENE", "STAGE"], conflicts_with = "scenes")]
+        #[arg(long, num_args = 2, value_names = ["SCENE", "STAGE"], conflicts_with = "scenes", requires = "config")]
         why: Option<Vec<String>>,
     },
     /// Takes into a store all that other stores of the same plan have and it has not: scenes that were made
@@ -175,14 +175,14 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
         StoreCommand::Status { config, store, scenes, why, grow, edition } => {
             let programs = Programs::of_build(stamp, None);
             let place = (&*store, arguments::stage::edition_wish(grow, edition));
-            match why.as_deref() {
-                Some([scene, stage]) => why::why(&config, place, (scene, stage), &programs),
-                _ => status(&config, place, scenes.as_ref(), &programs),
+            match (why.as_deref(), config.as_deref()) {
+                (Some([scene, stage]), Some(config)) => why::why(config, place, (scene, stage), &programs),
+                (_, config) => status::status(config, place, scenes.as_ref(), &programs),
             }
         }
         StoreCommand::Merge { store, mixed, from } => merge::merge(&store, &from, mixed),
         StoreCommand::Tidy { store } => tidy::tidy(&store),
-        StoreCommand::Verify { store } => verify(&store),
+        StoreCommand::Verify { store } => verify::verify(&store),
     }
 }
 
@@ -264,135 +264,4 @@ fn run_program(command: &mut Command) -> std::io::Result<u8> {
         }
         std::thread::sleep(LOOK_EVERY);
     }
-}
-
-fn status(
-    config: &std::path::Path,
-    (store, wish): (&std::path::Path, EditionWish),
-    only: Option<&SceneList>,
-    programs: &Programs,
-) -> u8 {
-    let Some(settings) = settings_or_faults(config, false) else { return EXIT_USAGE };
-    let told = Store::open(store).map_err(StageError::from).and_then(|store| {
-        let editions = Editions::of_store(&store, &settings, wish)?;
-        let all_done = status_table(Status::new(&store, &editions, programs), &editions, &store, only)?;
-        let foresight = Foresight::of_plan(&store, &editions, programs)?;
-        for (_, line) in foresight.lines() {
-            say(&format!("the next run makes again {line}"));
-        }
-        foresight.changed().for_each(|line| say(&line));
-        Ok(all_done)
-    });
-    match told {
-        Ok(all_done) => {
-            if all_done {
-                EXIT_DONE
-            } else {
-                EXIT_SOME_FAILED
-            }
-        }
-        Err(e) => {
-            tracing::error!("{}", e.report());
-            e.exit_code()
-        }
-    }
-}
-
-fn status_table(
-    status: Status<'_>,
-    editions: &Editions,
-    store: &Store,
-    only: Option<&SceneList>,
-) -> Result<bool, StateError> {
-    let stages = &Graph::get().stages;
-    let mut reasons = Vec::new();
-    let mut all_done = true;
-    let mut cell = |name: &str, stage: &StageSpec, scope: Scope| -> Result<&'static str, StateError> {
-        let state = status.state(stage, scope)?;
-        all_done &= state == State::Done;
-        Ok(match state {
-            State::Done => "done",
-            State::Missing => "missing",
-            State::Stale(why) => {
-                reasons.push(format!("{name} {}: stale: {why}", stage.name));
-                "stale"
-            }
-            State::Failed(why) => {
-                reasons.push(format!("{name} {}: failed: {why}", stage.name));
-                "failed"
-            }
-        })
-    };
-    for stage in stages.iter().filter(|s| s.unit == UnitKind::Plan) {
-        say(&format!("{}: {}", stage.name, cell("plan", stage, Scope::Plan)?));
-    }
-    let per_scene: Vec<_> = stages.iter().filter(|s| s.unit == UnitKind::Scene).collect();
-    let header: Vec<String> = per_scene.iter().map(|s| format!("{:>17}", s.name)).collect();
-    let has_kinds = editions.all().len() > 1 || !editions.newest().groups.is_empty();
-    let kinds = if has_kinds { "  edition and group" } else { "" };
-    say(&format!("scene {}{kinds}", header.join(" ")));
-    for scene in planned_scenes(store)?.unwrap_or_default() {
-        if only.is_some_and(|list| !list.contains(scene)) {
-            continue;
-        }
-        let name = format!("{scene:04} ");
-        let mut line = name.clone();
-        for stage in &per_scene {
-            line.push_str(&format!(" {:>17}", cell(&name, stage, Scope::Scene(scene))?));
-        }
-        if has_kinds {
-            let SceneKind { edition, group } = editions.kind_of(scene);
-            line.push_str(&format!("  {edition} {group}"));
-        }
-        say(&line);
-    }
-    for stage in stages.iter().filter(|s| s.unit == UnitKind::Stats) {
-        say(&format!("{}: {}", stage.name, cell("stats", stage, Scope::Stats)?));
-    }
-    for reason in reasons {
-        say(&reason);
-    }
-    Ok(all_done)
-}
-
-/// Every stage of every scene of the plan.
-fn all_stages(store: &Store) -> Result<Vec<(Scope, &'static str)>, store::StoreError> {
-    let scenes = planned_scenes(store)?.unwrap_or_default();
-    let scopes = |unit| match unit {
-        UnitKind::Plan => vec![Scope::Plan],
-        UnitKind::Stats => vec![Scope::Stats],
-        UnitKind::Scene => scenes.iter().copied().map(Scope::Scene).collect(),
-    };
-    let of_stage =
-        |stage: &'static StageSpec| scopes(stage.unit).into_iter().map(|scope| (scope, stage.name));
-    Ok(Graph::get().stages.iter().flat_map(of_stage).collect())
-}
-
-fn verify(store: &std::path::Path) -> u8 {
-    let verified = Store::open_made(store).and_then(|store| {
-        let stages = all_stages(&store)?;
-        store::verify(&store, &stages, |_| {})
-    });
-    let result = match verified.map_err(StageError::from) {
-        Ok(result) => result,
-        Err(e) => {
-            tracing::error!("{}", e.report());
-            return e.exit_code();
-        }
-    };
-    for finding in &result.findings {
-        say(&finding.to_string());
-    }
-    let in_hand = result.in_hand.iter().map(|key| format!("{key}: of a run that is going on or was stopped"));
-    let unfinished = result.unfinished.iter().map(|file| {
-        let whose = if file.abandoned { "left by a run that was killed" } else { "being written" };
-        format!("{}: {whose} ({})", file.location, file.owner)
-    });
-    for note in in_hand.chain(unfinished) {
-        say(&format!("note: {note}"));
-    }
-    let megabytes = result.bytes as f64 / 1e6;
-    let (manifests, shards, faulty) = (result.manifests, result.shards, result.findings.len());
-    say(&format!("{manifests} manifests, {shards} shards, {megabytes:.1} MB: {faulty} faulty"));
-    if result.findings.is_empty() { EXIT_DONE } else { EXIT_SOME_FAILED }
 }

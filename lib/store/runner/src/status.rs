@@ -176,7 +176,8 @@ pub enum StateError {
 #[derive(Clone, Copy, Debug)]
 pub struct Status<'a> {
     store: &'a Store,
-    editions: &'a Editions,
+    /// None where nothing is held against them.
+    editions: Option<&'a Editions>,
     programs: &'a Programs,
     code: CodeRule,
 }
@@ -185,7 +186,13 @@ impl<'a> Status<'a> {
     /// States of stages in a store, by the configurations and the programs of now.
     #[must_use]
     pub fn new(store: &'a Store, editions: &'a Editions, programs: &'a Programs) -> Self {
-        Self { store, editions, programs, code: CodeRule::Same }
+        Self { store, editions: Some(editions), programs, code: CodeRule::Same }
+    }
+
+    /// The same of a store that was imported: it has no configuration, and nothing is stale by one.
+    #[must_use]
+    pub fn of_import(store: &'a Store, programs: &'a Programs) -> Self {
+        Self { store, editions: None, programs, code: CodeRule::Same }
     }
 
     /// The same by a rule for the code that made them.
@@ -214,7 +221,9 @@ impl<'a> Status<'a> {
             let is_there = store.outputs_present(&manifest)?;
             return Ok(if is_there { State::Done } else { State::Stale(Staleness::Output) });
         }
-        if manifest.config_hash != config_hash(spec, self.editions, scope)? {
+        if let Some(editions) = self.editions
+            && manifest.config_hash != config_hash(spec, editions, scope)?
+        {
             return Ok(State::Stale(Staleness::Configuration));
         }
         if self.code == CodeRule::Same
