@@ -11,13 +11,13 @@ use super::export;
 
 /// The second vehicle of a scene has cameras, the first one has none; some scenes have one vehicle.
 fn store() -> (Bench, [u32; 2]) {
-    let cameras = |views: &[(&str, u32)]| {
-        let camera = |(name, yaw_deg): &(&str, u32)| {
+    let cameras = |views: &[(&str, i32)]| {
+        let camera = |(name, yaw_deg): &(&str, i32)| {
             format!("{{ name = \"{name}\", xyz_m = [0, 0, 1.8], rpy_deg = [0, 0, {yaw_deg}] }}")
         };
         views.iter().map(camera).collect::<Vec<_>>().join(", ")
     };
-    let four = cameras(&[("A", 0), ("B", 260), ("C", 100), ("D", 180)]);
+    let four = cameras(&[("A", 0), ("B", -100), ("C", 100), ("D", 180)]);
     let sizes = "camera = { width = 160, height = 90 }\nlidar = { channels = 16, columns = 256 }\n\
                  occupancy = { voxel_m = 1 }\nradars = []\n";
     let config = TINY.split("[vehicle.camera]").next().unwrap_or_default();

@@ -269,6 +269,8 @@ impl Opv2v {
         let mut found = Vec::new();
         let told = |([width, height], whose): (&[u32; 2], &String)| format!("{width} x {height} of {whose}");
         match sizes.iter().map(told).collect::<Vec<_>>().as_slice() {
+            // Black ones stand in for all.
+            [] if self.of_others.get().copied().flatten().is_some() => {}
             [] if !has_color(source)? => {
                 found.push(Omission::note("there are no camera pictures", "the store has none"));
             }
