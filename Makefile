@@ -12,6 +12,7 @@ FORCE  ?=
 REDO   ?=
 GROW   ?=
 EDITION ?=
+STRICT ?=
 EVERY  ?=
 NAME   ?=
 SEED   ?=
@@ -39,6 +40,7 @@ SCENES_ARG  = $(if $(SCENES),--scenes $(SCENES))
 FORCE_ARG   = $(if $(FORCE),--force)
 REDO_ARG    = $(if $(REDO),--redo)
 EDITION_ARG = $(if $(GROW),--grow) $(if $(EDITION),--edition $(EDITION))
+STRICT_ARG  = $(if $(STRICT),--strict)
 EVERY_ARG   = $(if $(EVERY),--every $(EVERY))
 SEED_ARG    = $(if $(SEED),--seed $(SEED))
 SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
@@ -48,7 +50,7 @@ COMMON      = --config $(CONFIG) --store $(STORE)
 .PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels docs help
 
 help:
-	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [REDO=1] [GROW=1]    (STORE: dataset for the demo, else the configuration's name)"
+	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [REDO=1] [GROW=1] [STRICT=1]    (STORE: dataset for the demo, else the configuration's name)"
 	@echo "make forecast                      (same arguments: scenes, frames, bytes and hours to expect)"
 	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
 	@echo "make status | stats | verify        (same CONFIG and STORE; status WHY='3 bev-gt': why a stage of a scene is so)"
@@ -73,11 +75,11 @@ build:
 
 # Everything that is missing or stale, in order.
 dataset: build
-	$(BIN)/convoy run $(COMMON) $(MAPS_ARG) $(THREADS_ARG) $(SCENES_ARG) $(EDITION_ARG) $(REDO_ARG) $(FORCE_ARG)
+	$(BIN)/convoy run $(COMMON) $(MAPS_ARG) $(THREADS_ARG) $(SCENES_ARG) $(EDITION_ARG) $(REDO_ARG) $(FORCE_ARG) $(STRICT_ARG)
 
 # What the plan would come to: scenes, agent-frames, bytes, hours. Writes nothing.
 forecast: build
-	$(BIN)/spawn-planner $(COMMON) $(MAPS_ARG) $(EDITION_ARG) --dry-run
+	$(BIN)/spawn-planner $(COMMON) $(MAPS_ARG) $(EDITION_ARG) $(STRICT_ARG) --dry-run
 
 # One stage for some scenes.
 stage: build
@@ -89,7 +91,7 @@ stats: build
 
 # A table of scenes and stages (the program itself exits with 1 while something is not done).
 status: build
-	@$(BIN)/convoy status $(COMMON) $(SCENES_ARG) $(EDITION_ARG) $(if $(WHY),--why $(WHY)) || test $$? -eq 1
+	@$(BIN)/convoy status $(COMMON) $(SCENES_ARG) $(EDITION_ARG) $(STRICT_ARG) $(if $(WHY),--why $(WHY)) || test $$? -eq 1
 
 # Hashes every shard again and names what is missing, truncated or changed.
 verify: build

@@ -48,6 +48,10 @@ class Reading(unittest.TestCase):
         self.assertEqual(self.scene.agents, ("vehicle_0", "vehicle_1", "rsu_0"))
         self.assertEqual(self.scene.info["split"], self.scene.split)
         self.assertEqual(self.dataset.config["seed"], 11)
+        agents = self.dataset.plan("agents").to_pylist()
+        self.assertEqual([row["agent"] for row in agents if row["scene"] == self.scene.number], list(self.scene.agents))
+        with self.assertRaisesRegex(convoy.StoreError, "spawn-planner wrote no such file"):
+            self.dataset.plan("weather")
         self.assertEqual(self.scene.tracks().num_rows, len(rows(SCENE / "tracks.parquet")))
         kinds = set(self.scene.vector_map()["kind"].to_pylist())
         self.assertTrue({"lane_centreline", "divider", "signal"} <= kinds, kinds)

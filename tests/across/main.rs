@@ -27,6 +27,8 @@ mod rigs;
 mod seen;
 mod shell;
 mod slips;
+mod suspicions;
 mod towns;
 mod view;
+mod weather;
 mod why;

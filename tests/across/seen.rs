@@ -45,6 +45,7 @@ fn town() -> (Snapshot, Pose<World, Agent>, Pose<World, Agent>) {
         scene: &plan.scenes[0],
         agents: &plan.agents,
         hazards: &[],
+        weather: &[],
         settings: &simulation,
         fixed: &fixed,
         first_id: fixed.last().map_or(1, |a| a.id + 1),

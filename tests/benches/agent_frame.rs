@@ -97,6 +97,7 @@ fn main() {
         scene: &plan.scenes[0],
         agents: &plan.agents,
         hazards: &[],
+        weather: &[],
         settings: &SimulationSettings::of(&settings),
         fixed: &fixed,
         first_id: fixed.last().map_or(1, |a| a.id + 1),

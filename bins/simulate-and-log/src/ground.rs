@@ -1,4 +1,4 @@
-//! Walkers, and signs before hazards, on the ground that is drawn under them.
+//! Walkers, signs before hazards, and RSUs that a user placed, on the ground that is drawn under them.
 //!
 //! Traffic knows the map's surfaces alone. What is drawn differs from them: kerbs where the map states none,
 //! sidewalks cut away where a road crosses them, asphalt between the lanes of a junction, grass beside the
@@ -103,7 +103,12 @@ fn is_warning(actor: &ActorRow) -> bool {
     actor.role == ActorRole::Hazard && actor.kind == ActorKind::Sign
 }
 
-/// Puts walkers and warning signs on the ground that is drawn under them. What follows from their heights
+/// Whether it is an RSU that stands where the user says, at no signal: the place may be beside all lanes.
+fn is_given_rsu(actor: &ActorRow) -> bool {
+    actor.kind == ActorKind::Rsu && actor.opendrive_id.is_none()
+}
+
+/// Puts walkers, warning signs and RSUs on the ground that is drawn under them. What follows from their heights
 /// follows again: velocities are differences of the final positions, and actor rows have the pose at frame 0.
 ///
 /// `states` are sorted by frame.
@@ -124,8 +129,9 @@ pub(crate) fn stand<E>(
             track.push(i);
         }
     }
-    let signs = actors.iter().filter(|a| is_warning(a)).map(|a| a.xyz_m);
-    let places: Vec<[f64; 3]> = tracks.values().flatten().map(|&i| states[i].xyz_m).chain(signs).collect();
+    let is_put = |actor: &ActorRow| is_warning(actor) || is_given_rsu(actor);
+    let put = actors.iter().filter(|a| is_put(a)).map(|a| a.xyz_m);
+    let places: Vec<[f64; 3]> = tracks.values().flatten().map(|&i| states[i].xyz_m).chain(put).collect();
     let ground = Ground::under(tiles, &places)?;
     for track in tracks.values() {
         let mut way_m = 0.0;
@@ -152,8 +158,8 @@ pub(crate) fn stand<E>(
             states[i].velocity_mps[2] = ((heights[to] - heights[from]) / FRAME_PERIOD_S) as f32;
         }
     }
-    for sign in actors.iter_mut().filter(|a| is_warning(a)) {
-        sign.xyz_m[2] = ground.height(sign.xyz_m);
+    for actor in actors.iter_mut().filter(|a| is_put(a)) {
+        actor.xyz_m[2] = ground.height(actor.xyz_m);
     }
     for actor in actors.iter_mut() {
         let at_start = tracks.get(&actor.id).and_then(|t| t.iter().find(|&&i| states[i].frame == 0));
@@ -253,6 +259,7 @@ mod tests {
             scene,
             agents: &plan.agents,
             hazards: &plan.hazards,
+            weather: &[],
             settings: &settings,
             fixed: &nearby,
             first_id: 1,

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use opendrive::Map;
 use runner::{At, Place, StageError};
-use schema::scene_info::{AgentInfo, PackedModelInfo, SceneInfo};
-use schema::tables::{ActorRow, PlanAgentRow, PlanModelRow, PlanSceneRow, Weather};
+use schema::scene_info::{AgentInfo, PackedModelInfo, SceneInfo, WeatherKeyframeInfo};
+use schema::tables::{ActorRow, PlanAgentRow, PlanModelRow, PlanSceneRow, PlanWeatherRow, Weather};
 use schema::{ActorRole, HazardKind};
 use settings::stages::SimulationSettings;
 use traffic::SimulationLog;
@@ -17,7 +17,7 @@ use crate::error::LogError;
 /// # Errors
 /// An agent of the plan was not simulated.
 pub(crate) fn scene_info(
-    plan: &PlanSceneRow,
+    (plan, between): (&PlanSceneRow, &[PlanWeatherRow]),
     agents: &[PlanAgentRow],
     log: &SimulationLog,
     map: &Map,
@@ -44,9 +44,11 @@ pub(crate) fn scene_info(
             })
         })
         .collect::<Result<_, StageError>>()?;
-    let weathers = [plan.initial_weather, plan.final_weather].map(Weather::from_array);
+    let weathers = between.iter().map(|row| row.weather).chain([plan.initial_weather, plan.final_weather]);
     let hazards = |kind: HazardKind| log.hazards.iter().filter(|h| h.kind == kind).count() as u32;
-    let dark = weathers.iter().any(Weather::is_night);
+    let dark = weathers.map(Weather::from_array).any(|weather| weather.is_night());
+    let keyframe =
+        |row: &PlanWeatherRow| WeatherKeyframeInfo { at_s: row.at_s, weather: by_name(row.weather) };
     Ok(SceneInfo {
         scene: plan.scene,
         split: plan.split.clone(),
@@ -62,6 +64,7 @@ pub(crate) fn scene_info(
         dynamic_weather: plan.dynamic_weather,
         initial_weather: by_name(plan.initial_weather),
         final_weather: by_name(plan.final_weather),
+        weather_keyframes: between.iter().map(keyframe).collect(),
         spawn_radius_m: plan.spawn_radius_m,
         world_radius_m: settings.reach_m,
         pivot_xyz_m: plan.pivot_xyz_m,

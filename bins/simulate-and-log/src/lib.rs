@@ -35,7 +35,7 @@ pub const STAGE: Stage<SimulationSettings> = Stage::new(run);
 const VARIANTS: u32 = meshes::people::APPEARANCES;
 
 fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
-    let ScenePlan { scene: plan, agents, hazards, models } = ScenePlan::read(job)?;
+    let ScenePlan { scene: plan, agents, hazards, weather, models } = ScenePlan::read(job)?;
     let catalogue = Catalogue::with(&models);
     let map = replay::maps::read(job.store(), &plan.map, &plan.map_hash).at(|| job.place())?;
     let (settings, store) = (job.settings().clone(), job.store().clone());
@@ -54,6 +54,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
             scene: &plan,
             agents: &agents,
             hazards: &hazards,
+            weather: &weather,
             settings: &settings,
             fixed: &nearby,
             first_id: 1,
@@ -91,7 +92,7 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     ground::stand(grounds, &mut actors, &mut log.states).map_err(|error| failed(error, &place))?;
     bodies.walk(&mut log.states);
 
-    let mut info = info::scene_info(&plan, &agents, &log, &map, &settings)?;
+    let mut info = info::scene_info((&plan, &weather), &agents, &log, &map, &settings)?;
     info.models = info::models(&models, &actors);
     let labels = Labels::collect(&map, &actors, &log, &info, settings.box_radius_m)?;
     let json = serde_json::to_vec_pretty(&info).at(|| place.clone())?;

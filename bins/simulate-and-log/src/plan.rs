@@ -2,7 +2,7 @@
 
 use runner::{At, Job, StageError};
 use schema::table::Row;
-use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow};
+use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow, PlanWeatherRow};
 use settings::stages::SimulationSettings;
 use store::keys;
 
@@ -13,6 +13,8 @@ pub(crate) struct ScenePlan {
     pub(crate) scene: PlanSceneRow,
     pub(crate) agents: Vec<PlanAgentRow>,
     pub(crate) hazards: Vec<PlanHazardRow>,
+    /// Keyframes of its weather, by time.
+    pub(crate) weather: Vec<PlanWeatherRow>,
     /// The models of packs, of all scenes.
     pub(crate) models: Vec<PlanModelRow>,
 }
@@ -31,8 +33,12 @@ impl ScenePlan {
         agents.retain(|a| a.scene == number);
         let mut hazards: Vec<PlanHazardRow> = store.read_rows(manifest, keys::PLAN_HAZARDS)?;
         hazards.retain(|h| h.scene == number);
+        let has_weather = manifest.output(keys::PLAN_WEATHER).is_some();
+        let mut weather: Vec<PlanWeatherRow> =
+            if has_weather { store.read_rows(manifest, keys::PLAN_WEATHER)? } else { Vec::new() };
+        weather.retain(|w| w.scene == number);
         let has_models = manifest.output(keys::PLAN_MODELS).is_some();
         let models = if has_models { store.read_rows(manifest, keys::PLAN_MODELS)? } else { Vec::new() };
-        Ok(Self { scene, agents, hazards, models })
+        Ok(Self { scene, agents, hazards, weather, models })
     }
 }

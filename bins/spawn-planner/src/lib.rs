@@ -11,10 +11,11 @@ use catalogue::Catalogue;
 use packs::PackModel;
 use plan::{Plan, PlanMap, Roster, SceneSlot};
 use runner::forecast::{self, Planned};
-use runner::{At, Job, Place, Stage, StageError, StageSettings};
+use runner::{At, Editions, Job, Place, Stage, StageError, StageSettings};
 use schema::table::Row;
-use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow};
+use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow, PlanWeatherRow};
 use settings::stages::PlanSettings;
+use settings::{Suspicion, map_name};
 use store::{SceneKind, Scope, Store, keys};
 
 use crate::error::RosterError;
@@ -37,13 +38,11 @@ pub const STAGE: Stage<PlanSettings> = Stage {
     forecast: Some(|editions, folder, store| {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let made = make(&PlanSettings::of_dataset(editions), folder, store)?;
-        made.warn();
         let Made { roster, plan, .. } = made;
-        let kind = |slot: SceneSlot| SceneKind { edition: slot.edition, group: slot.group };
-        let kinds = roster.slots.into_iter().map(|slot| (slot.scene, kind(slot))).collect();
         let planned = Planned { scenes: &plan.scenes, agents: &plan.agents };
-        Ok(forecast::lines(&editions.with_scenes(kinds), &planned, cores))
+        Ok(forecast::lines(&editions.with_scenes(kinds(&roster)), &planned, cores))
     }),
+    suspicions: Some(suspicions),
 };
 /// Its name.
 const NAME: &str = Stage::<PlanSettings>::NAME;
@@ -61,10 +60,13 @@ fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Resu
     let mut settings = as_written.clone();
     settings.change_all(&|settings| {
         for wish in &mut settings.scenes {
-            wish.map = maps::name_in_store(&wish.map).to_owned();
+            wish.map = map_name(&wish.map).to_owned();
         }
         for start in &mut settings.agents.starts {
-            start.map = maps::name_in_store(&start.map).to_owned();
+            start.map = map_name(&start.map).to_owned();
+        }
+        for rsu in &mut settings.agents.rsus_at {
+            rsu.map = map_name(&rsu.map).to_owned();
         }
     });
     let roster = enrol(store, &settings)?;
@@ -81,18 +83,33 @@ fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Resu
     Ok(Made { roster, texts, maps, models, plan })
 }
 
-impl Made {
-    fn warn(&self) {
-        for warning in self.roster.warnings.iter().chain(&self.plan.warnings) {
-            tracing::warn!("{warning}");
-        }
-    }
+/// What the plan cannot give as it is wished for, and what is odd in it.
+fn suspicions(
+    editions: &Editions,
+    folder: Option<&Path>,
+    store: &Store,
+) -> Result<Vec<Suspicion>, StageError> {
+    let settings = PlanSettings::of_dataset(editions);
+    let Made { roster, maps, plan, .. } = make(&settings, folder, store)?;
+    let editions = editions.with_scenes(kinds(&roster));
+    let said = |key: &str, message: String| Suspicion { key: key.to_owned(), message };
+    let of_scenes = roster.warnings.into_iter().map(|warning| said("scenes", warning));
+    let unlit = plan::suspicions::without_lights(&settings.agents, &maps);
+    let scenario_of = |scene| &editions.of(Scope::Scene(scene)).scenario;
+    let unfelt = plan::suspicions::unfelt_weather(&scenario_of, &plan);
+    let of_agents = plan.warnings.iter().map(|warning| said("agents", warning.clone()));
+    Ok(of_scenes.chain(unlit).chain(of_agents).chain(unfelt).collect())
+}
+
+/// The kind of each scene of a roster.
+fn kinds(roster: &Roster) -> BTreeMap<u32, SceneKind> {
+    let kind = |slot: &SceneSlot| SceneKind { edition: slot.edition, group: slot.group.clone() };
+    roster.slots.iter().map(|slot| (slot.scene, kind(slot))).collect()
 }
 
 fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
     let as_written = job.settings().clone();
     let made = make(&as_written, job.maps_folder(), job.store())?;
-    made.warn();
     let Made { roster, texts, maps, models, plan } = made;
     let rows: Vec<PlanModelRow> = models.iter().map(|model| model.row.clone()).collect();
     for (scene, digest) in sections(job.store(), &plan, &models)? {
@@ -114,6 +131,9 @@ fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
         unit.rows(keys::PLAN_SCENES, &plan.scenes)?;
         unit.rows(keys::PLAN_AGENTS, &plan.agents)?;
         unit.rows(keys::PLAN_HAZARDS, &plan.hazards)?;
+        if !plan.weather.is_empty() {
+            unit.rows(keys::PLAN_WEATHER, &plan.weather)?;
+        }
         if !models.is_empty() {
             unit.rows(keys::PLAN_MODELS, &rows)?;
             models::put(&models, &mut unit)?;
@@ -145,6 +165,10 @@ fn before(store: &Store) -> BTreeMap<u32, (String, String)> {
             scenes: store.read_rows(&manifest, keys::PLAN_SCENES)?,
             agents: store.read_rows(&manifest, keys::PLAN_AGENTS)?,
             hazards: store.read_rows(&manifest, keys::PLAN_HAZARDS)?,
+            weather: match manifest.output(keys::PLAN_WEATHER) {
+                Some(_) => store.read_rows(&manifest, keys::PLAN_WEATHER)?,
+                None => Vec::new(),
+            },
             ..Plan::default()
         };
         let models: Vec<PlanModelRow> = match manifest.output(keys::PLAN_MODELS) {
@@ -186,13 +210,17 @@ fn scene_digest(scene: &PlanSceneRow, plan: &Plan, models: &[PlanModelRow]) -> R
     let number = scene.scene;
     let agents: Vec<PlanAgentRow> = plan.agents.iter().filter(|a| a.scene == number).cloned().collect();
     let hazards: Vec<PlanHazardRow> = plan.hazards.iter().filter(|h| h.scene == number).cloned().collect();
-    let all = [
+    let weather: Vec<PlanWeatherRow> = plan.weather.iter().filter(|w| w.scene == number).cloned().collect();
+    let mut all = vec![
         PlanSceneRow::to_columns(std::slice::from_ref(scene)),
         PlanAgentRow::to_columns(&agents),
         PlanHazardRow::to_columns(&hazards),
         // Any of them may drive or stand in any scene.
         PlanModelRow::to_columns(models),
     ];
+    if !weather.is_empty() {
+        all.push(PlanWeatherRow::to_columns(&weather));
+    }
     // Numbers are the shortest text that reads back the same.
     Ok(store::hash_bytes(&serde_json::to_vec(&all).at(Place::default)?))
 }

@@ -9,6 +9,7 @@ use opendrive::Map;
 use plan::SceneSlot;
 use runner::{At, Place, StageError};
 use settings::stages::PlanSettings;
+use settings::{MAP_ENDINGS, map_name};
 use store::{Store, keys};
 
 use crate::error::MapError;
@@ -22,7 +23,7 @@ pub(crate) fn digests(settings: &PlanSettings, folder: Option<&Path>) -> BTreeMa
     maps.filter(|written| town::named(written).is_none())
         .filter_map(|written| {
             let source = read_map_file(written, folder).ok()?;
-            Some((keys::map(name_in_store(written)), store::hash_bytes(&source.text)))
+            Some((keys::map(map_name(written)), store::hash_bytes(&source.text)))
         })
         .collect()
 }
@@ -33,22 +34,10 @@ pub(crate) struct MapSource {
     origin: String,
 }
 
-/// What a map of the configuration is called in the store: a file is called by its stem, all others as
-/// written.
-pub(crate) fn name_in_store(written: &str) -> &str {
-    match file_stem(written) {
-        Some(stem) => stem.rsplit(['/', '\\']).next().unwrap_or(stem),
-        None => written,
-    }
-}
-
 /// The path without its ending, where it is one of a map file.
 fn file_stem(written: &str) -> Option<&str> {
-    ENDINGS.iter().find_map(|ending| written.strip_suffix(ending))
+    MAP_ENDINGS.iter().find_map(|ending| written.strip_suffix(ending))
 }
-
-/// Endings of map files.
-const ENDINGS: [&str; 2] = [".xodr", ".xodr.gz"];
 
 /// The OpenDRIVE text of every map that a scene stands on, by its name in the store.
 pub(crate) fn texts(
@@ -61,7 +50,7 @@ pub(crate) fn texts(
     let all = settings.all();
     let wishes = all.iter().flat_map(|settings| &settings.scenes);
     for written in wishes.filter(|s| s.count > 0).map(|s| s.map.as_str()) {
-        let name = name_in_store(written);
+        let name = map_name(written);
         if let Some(other) = written_as.insert(name, written)
             && other != written
         {
@@ -108,7 +97,7 @@ fn read_map_file(written: &str, folder: Option<&Path>) -> Result<MapSource, Stag
         if written.split(['/', '\\']).any(|part| part.is_empty() || part.starts_with('.')) {
             return Err(StageError::usage(MapError::NotPlain { written: written.to_owned() }));
         }
-        ENDINGS.iter().map(|ending| folder.join(format!("{written}{ending}"))).collect()
+        MAP_ENDINGS.iter().map(|ending| folder.join(format!("{written}{ending}"))).collect()
     };
     for path in &paths {
         match std::fs::read(path) {
@@ -155,22 +144,4 @@ pub(crate) fn parse(source: &MapSource) -> Result<Map, StageError> {
         }
     }
     Ok(Map::new(network))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::name_in_store;
-
-    #[test]
-    fn files_are_called_by_their_stem() {
-        for (written, name) in [
-            ("convoy/03", "convoy/03"),
-            ("Town03", "Town03"),
-            ("Town03.xodr", "Town03"),
-            ("../maps/north side.xodr.gz", "north side"),
-            ("/data/v1.2/town.xodr", "town"),
-        ] {
-            assert_eq!(name_in_store(written), name);
-        }
-    }
 }

@@ -76,6 +76,10 @@ class Dataset:
             splits.setdefault(row["split"], []).append(number)
         return splits
 
+    def plan(self, name: str) -> pa.Table:
+        """A table of the plan, of all scenes: `scenes`, `agents`, `hazards`; `weather` where it has keyframes."""
+        return self._files.table(f"plan/{name}.parquet")
+
     def scenes(
         self,
         split: str | None = None,

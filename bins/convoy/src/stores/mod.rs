@@ -16,8 +16,8 @@ use arguments::stage::Progress;
 use clap::Subcommand;
 
 use runner::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, Programs, STAMP_LEN, SceneList, UnitKind,
-    say,
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, Programs, STAMP_LEN, SceneList,
+    Suspicious, UnitKind, say,
 };
 
 /// How often a running stage is looked at.
@@ -52,6 +52,9 @@ pub(crate) enum StoreCommand {
         /// with 2 and touches nothing, where that is more than `store.ask_beyond_s`.
         #[arg(long)]
         redo: bool,
+        /// Warnings about the configuration and about the plan are errors (2).
+        #[arg(long)]
+        strict: bool,
         /// Let a configuration of another name take over the store.
         #[arg(long, conflicts_with = "accept_code")]
         force: bool,
@@ -90,6 +93,9 @@ pub(crate) enum StoreCommand {
         /// it was made from, and the same of that, down to the plan.
         #[arg(long, num_args = 2, value_names = ["SCENE", "STAGE"], conflicts_with = "scenes", requires = "config")]
         why: Option<Vec<String>>,
+        /// Say what is suspicious in the configuration; it is an error (2).
+        #[arg(long)]
+        strict: bool,
     },
     /// Takes into a store all that other stores of the same plan have and it has not: scenes that were made
     /// on several machines.
@@ -133,6 +139,7 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
             grow,
             edition,
             redo,
+            strict,
             force,
             accept_code,
             threads,
@@ -160,7 +167,8 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
                 common.push("--dry-run".into());
             }
             common.extend(["--progress".into(), progress.word().into()]);
-            let of_planner = [("--redo", redo), ("--force", force)].into_iter().filter(|(_, wanted)| *wanted);
+            let of_planner = [("--redo", redo), ("--force", force), ("--strict", strict)];
+            let of_planner = of_planner.into_iter().filter(|(_, wanted)| *wanted);
             let of_planner: Vec<&str> = of_planner.map(|(word, _)| word).collect();
             runner::listen_for_signals();
             let lock = if dry_run { Ok(None) } else { runner::hold_for_all_stages(&config, &store) };
@@ -172,12 +180,17 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
                 }
             }
         }
-        StoreCommand::Status { config, store, scenes, why, grow, edition } => {
+        StoreCommand::Status { config, store, scenes, why, grow, edition, strict } => {
             let programs = Programs::of_build(stamp, None);
             let place = (&*store, arguments::stage::edition_wish(grow, edition));
             match (why.as_deref(), config.as_deref()) {
                 (Some([scene, stage]), Some(config)) => why::why(config, place, (scene, stage), &programs),
-                (_, config) => status::status(config, place, scenes.as_ref(), &programs),
+                // What is only suspicious, `run` says.
+                (_, Some(config)) => {
+                    let rule = Suspicious::of(strict, false);
+                    status::status((config, rule), place, scenes.as_ref(), &programs)
+                }
+                (_, None) => status::status_of_import(&store, scenes.as_ref(), &programs),
             }
         }
         StoreCommand::Merge { store, mixed, from } => merge::merge(&store, &from, mixed),

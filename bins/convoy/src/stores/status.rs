@@ -4,20 +4,20 @@ use std::path::Path;
 
 use runner::{
     EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, EditionWish, Editions, Foresight, Graph, Programs, SceneList,
-    StageError, StageSpec, State, StateError, Status, UnitKind, planned_scenes, say, settings_or_faults,
+    StageError, StageSpec, State, StateError, Status, Suspicious, UnitKind, planned_scenes, say,
+    settings_or_faults,
 };
 use store::{SceneKind, Scope, Store};
 
-/// Prints the table of a store as a configuration with its place among the editions has it; without one, of
-/// a store that was imported. The exit code is 0 where all is done.
+/// Prints the table of a store as a configuration with its place among the editions has it. The exit code is
+/// 0 where all is done.
 pub(crate) fn status(
-    config: Option<&Path>,
+    (config, rule): (&Path, Suspicious),
     (store, wish): (&Path, EditionWish),
     only: Option<&SceneList>,
     programs: &Programs,
 ) -> u8 {
-    let Some(config) = config else { return status_of_import(store, only, programs) };
-    let Some(settings) = settings_or_faults(config, false) else { return EXIT_USAGE };
+    let Some(settings) = settings_or_faults(config, rule) else { return EXIT_USAGE };
     let told = Store::open(store).map_err(StageError::from).and_then(|store| {
         let editions = Editions::of_store(&store, &settings, wish)?;
         let all_done = status_table(Status::new(&store, &editions, programs), Some(&editions), &store, only)?;
@@ -43,7 +43,7 @@ fn status_code(told: Result<bool, StageError>) -> u8 {
 }
 
 /// The table without a configuration, which stores of imports do not have.
-fn status_of_import(path: &Path, only: Option<&SceneList>, programs: &Programs) -> u8 {
+pub(crate) fn status_of_import(path: &Path, only: Option<&SceneList>, programs: &Programs) -> u8 {
     let told = Store::open_made(path).map_err(StageError::from).and_then(|store| {
         if !is_imported(&store)? {
             let place = path.display();

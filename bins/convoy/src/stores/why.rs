@@ -4,7 +4,7 @@ use std::path::Path;
 
 use runner::{
     EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, EditionWish, Editions, Graph, Programs, StageError, State,
-    Status, UnitKind, planned_scenes, say, settings_or_faults,
+    Status, Suspicious, UnitKind, planned_scenes, say, settings_or_faults,
 };
 use store::{Scope, Store};
 
@@ -15,7 +15,7 @@ pub(crate) fn why(
     asked: (&str, &str),
     programs: &Programs,
 ) -> u8 {
-    let Some(settings) = settings_or_faults(config, false) else { return EXIT_USAGE };
+    let Some(settings) = settings_or_faults(config, Suspicious::Unsaid) else { return EXIT_USAGE };
     let told = || -> Result<bool, StageError> {
         let store = Store::open(store)?;
         let editions = Editions::of_store(&store, &settings, wish)?;

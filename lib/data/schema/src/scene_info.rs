@@ -44,6 +44,9 @@ pub struct SceneInfo {
     pub initial_weather: BTreeMap<String, f64>,
     /// Weather of the last frame.
     pub final_weather: BTreeMap<String, f64>,
+    /// Weather between them, by time, where the configuration has keyframes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub weather_keyframes: Vec<WeatherKeyframeInfo>,
     /// Background actors start within this distance of a data-collection vehicle, m.
     pub spawn_radius_m: f64,
     /// The static world is there within this distance of every agent at every frame, m; nothing is shown
@@ -159,12 +162,21 @@ pub struct AgentInfo {
     pub speed_difference: f64,
     /// Driver's gap to a standing leader, m.
     pub standstill_gap_m: f64,
-    /// RSU: OpenDRIVE id of the signal whose pole it stands at.
+    /// RSU: OpenDRIVE id of the signal whose pole it stands at; none where the user says where it stands.
     pub signal: Option<String>,
     /// Ignores lights, signs, vehicles and walkers.
     pub reckless: bool,
     /// Ignores lights and signs.
     pub distracted: bool,
+}
+
+/// Weather at a moment of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct WeatherKeyframeInfo {
+    /// Seconds after the initial weather; frame k is at 0.05 (k + 1).
+    pub at_s: f64,
+    /// By parameter name.
+    pub weather: BTreeMap<String, f64>,
 }
 
 #[cfg(test)]
@@ -193,6 +205,7 @@ mod tests {
             drivers: vec![DriverInfo::default()],
             signal_groups: vec![SignalGroupInfo::default()],
             models: vec![PackedModelInfo::default()],
+            weather_keyframes: vec![WeatherKeyframeInfo::default()],
             ..SceneInfo::default()
         };
         let mut found = Vec::new();

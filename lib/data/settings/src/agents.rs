@@ -2,7 +2,7 @@
 
 use frames::deg;
 
-use crate::key::{Name, Settings, choice, settings};
+use crate::key::{choice, settings, tables};
 use crate::reader::Section;
 
 choice! {
@@ -26,6 +26,19 @@ settings! {
         /// Position in the world, m: the nearest driving lane that runs its way.
         xyz_m: [f64; 3] = [0.0; 3];
         /// Heading from east, counter-clockwise.
+        yaw_rad: f64 = deg(0.0), named("yaw_deg"), degrees(-360.0..=360.0);
+    }
+}
+
+settings! {
+    /// A place where an RSU stands, given by the user.
+    pub struct GivenRsu {
+        /// Name of the map, as in `scenes`.
+        map: String = "convoy/demo".into();
+        /// Foot of its pole in the world, m. It stands on the ground there, if that is at most 1 m above or
+        /// 1.5 m below; else where it is written.
+        xyz_m: [f64; 3] = [0.0; 3];
+        /// Where it looks: heading from east, counter-clockwise.
         yaw_rad: f64 = deg(0.0), named("yaw_deg"), degrees(-360.0..=360.0);
     }
 }
@@ -64,19 +77,16 @@ settings! {
         /// Spacing of the spawn points along lanes, m.
         spawn_separation_m: f64 = 24.0, within(2.0..=1000.0), yaml("spawn_point_separation_distance");
         /// Where data-collection vehicles may start, instead of the map's spawn points.
-        starts: Vec<GivenStart> = Vec::new(), or("the map's spawn points"), by(starts);
+        starts: Vec<GivenStart> = Vec::new(), or("the map's spawn points"), by(tables);
+        /// Where RSUs stand, in their order, before those at traffic lights; of a scene's RSUs, `min_rsus` to
+        /// `max_rsus`, they are the first.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        rsus_at: Vec<GivenRsu> = Vec::new(), or("at traffic lights near the vehicles"), by(tables);
         /// Share of a scene's vehicles that collect data (at least one does); `traffic.vehicles` counts all
         /// of them, and `min_vehicles` and `max_vehicles` have no say.
         penetration: Option<f64> = None, within(0.0..=1.0), or("min_vehicles to max_vehicles collect data");
     }
     rule consistent;
-}
-
-fn starts(s: &Section<'_>, name: &Name, _: Vec<GivenStart>) -> Vec<GivenStart> {
-    let read = |item: &Section<'_>| GivenStart::read(item, &GivenStart::default());
-    let list = s.sections(name.key, name.absent, name.doc);
-    read(&s.describe_item(name.key));
-    list.unwrap_or_default().iter().map(read).collect()
 }
 
 /// Whether the models are known depends on the packs, which other keys name.

@@ -52,6 +52,11 @@ pub enum Kind {
         min: f64,
         max: f64,
     },
+    /// One, or the least and the most of those that are meant.
+    NumberOrTwo {
+        min: f64,
+        max: f64,
+    },
 }
 
 impl fmt::Display for Kind {
@@ -69,6 +74,7 @@ impl fmt::Display for Kind {
             Self::Integer { min, max: i64::MAX } => write!(f, "integer, from {min}"),
             Self::Integer { min, max } => write!(f, "integer, {min} to {max}"),
             Self::Number { min, max } => write!(f, "number, {min} to {max}"),
+            Self::NumberOrTwo { min, max } => write!(f, "number, {min} to {max}, or [least, most]"),
         }
     }
 }

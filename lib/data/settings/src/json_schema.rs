@@ -93,6 +93,10 @@ fn described(key: &ConfigKey) -> Value {
         Kind::Integer { min, max: i64::MAX } => json!({ "type": "integer", "minimum": min }),
         Kind::Integer { min, max } => json!({ "type": "integer", "minimum": min, "maximum": max }),
         Kind::Number { min, max } => json!({ "type": "number", "minimum": min, "maximum": max }),
+        Kind::NumberOrTwo { min, max } => {
+            let number = json!({ "type": "number", "minimum": min, "maximum": max });
+            json!({ "anyOf": [number, fixed(2, &number)] })
+        }
     };
     let mut doc = key.doc.clone();
     match &key.default {

@@ -257,6 +257,14 @@ impl<T, How> Key<T, How> {
     }
 }
 
+/// A list of tables, each a section.
+pub(crate) fn tables<T: Settings + Default>(s: &Section<'_>, name: &Name, _: Vec<T>) -> Vec<T> {
+    let read = |item: &Section<'_>| T::read(item, &T::default());
+    let list = s.sections(name.key, name.absent, name.doc);
+    read(&s.describe_item(name.key));
+    list.unwrap_or_default().iter().map(read).collect()
+}
+
 /// A meaning with its unit.
 fn in_unit(doc: &str, unit: &str) -> String {
     format!("{}, {unit}.", doc.trim().trim_end_matches('.'))

@@ -38,6 +38,8 @@ pub(crate) struct Source {
     pub(crate) file: String,
     /// What is in it, or why it cannot be read.
     pub(crate) text: Result<String, String>,
+    /// It was translated from a language in which all keys are written down, used or not.
+    pub(crate) names_all: bool,
 }
 
 /// A source that was read and parsed.
@@ -49,8 +51,7 @@ struct Document<'a> {
 impl Document<'_> {
     /// The line where a span begins, from 1.
     fn line_of(&self, span: &Range<usize>) -> usize {
-        let text = self.source.text.as_deref().unwrap_or_default();
-        text[..span.start.min(text.len())].matches('\n').count() + 1
+        line_at(self.source.text.as_deref().unwrap_or_default(), span.start)
     }
 }
 
@@ -58,6 +59,8 @@ struct Context<'a> {
     /// The configuration first.
     documents: &'a [Document<'a>],
     faults: RefCell<Vec<(Home, Fault)>>,
+    /// What is suspicious, and no fault.
+    warnings: RefCell<Vec<(Home, Fault)>>,
     /// The tables that were read, by path.
     tables: RefCell<BTreeMap<String, Table<'a>>>,
     /// Without documents: the keys that were asked for.
@@ -77,19 +80,33 @@ type Home = (usize, usize);
 
 impl<'a> Context<'a> {
     fn new(documents: &'a [Document<'a>]) -> Self {
-        let (faults, tables, keys) = Default::default();
-        Self { documents, faults, tables, keys }
+        let (faults, warnings, tables, keys) = Default::default();
+        Self { documents, faults, warnings, tables, keys }
     }
 
     fn fault(&self, document: usize, span: Option<Range<usize>>, message: String) {
+        self.note_in(&self.faults, document, span, message);
+    }
+
+    fn warn(&self, document: usize, span: Option<Range<usize>>, message: String) {
+        self.note_in(&self.warnings, document, span, message);
+    }
+
+    fn note_in(
+        &self,
+        list: &RefCell<Vec<(Home, Fault)>>,
+        document: usize,
+        span: Option<Range<usize>>,
+        message: String,
+    ) {
         let Some(known) = self.documents.get(document) else { return };
         let source = known.source;
         let line = span.map(|span| known.line_of(&span));
         let fault = Fault { file: source.file.clone(), line, message };
         let found = ((document, line.unwrap_or(usize::MAX)), fault);
-        let mut faults = self.faults.borrow_mut();
-        if !faults.contains(&found) {
-            faults.push(found);
+        let mut list = list.borrow_mut();
+        if !list.contains(&found) {
+            list.push(found);
         }
     }
 
@@ -131,6 +148,11 @@ impl<'a> Context<'a> {
     }
 }
 
+/// The line, from 1, of a byte of a text.
+fn line_at(text: &str, at: usize) -> usize {
+    text[..at.min(text.len())].matches('\n').count() + 1
+}
+
 fn joined(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }
@@ -170,10 +192,11 @@ struct Found<'a> {
 }
 
 /// Parses a configuration and the files that it names, and reads it; keys that were not asked for are faults.
+/// With what was read comes what is suspicious.
 pub(crate) fn with_documents<T>(
     sources: &[Source],
     read: impl FnOnce(&Section<'_>) -> T,
-) -> Result<T, Vec<Fault>> {
+) -> Result<(T, Vec<Fault>), Vec<Fault>> {
     let (mut documents, mut broken) = (Vec::with_capacity(sources.len()), Vec::new());
     for (number, source) in sources.iter().enumerate() {
         let (table, errors) = DeTable::parse_recoverable(source.text.as_deref().unwrap_or_default());
@@ -188,12 +211,32 @@ pub(crate) fn with_documents<T>(
     let layer = whole.map(|whole| Layer::of_document(whole, 0));
     let value = read(&context.open(String::new(), || layer.into_iter().collect()));
     context.check_unknown();
-    let mut faults = context.faults.take();
-    if faults.is_empty() {
-        return Ok(value);
+    let in_order = |mut found: Vec<(Home, Fault)>| -> Vec<Fault> {
+        found.sort_by_key(|(home, _)| *home);
+        found.into_iter().map(|(_, fault)| fault).collect()
+    };
+    let faults = in_order(context.faults.take());
+    if faults.is_empty() { Ok((value, in_order(context.warnings.take()))) } else { Err(faults) }
+}
+
+/// The line of the longest part of a key's path (`rigs[0].agents`) that a text has.
+pub(crate) fn line_of(text: &str, path: &str) -> Option<usize> {
+    let (document, _) = DeTable::parse_recoverable(text);
+    let (mut table, mut line) = (document.get_ref(), None);
+    for part in path.split('.') {
+        let (name, number) = match part.strip_suffix(']').and_then(|part| part.split_once('[')) {
+            Some((name, number)) => (name, number.parse::<usize>().ok()),
+            None => (part, None),
+        };
+        let Some(mut value) = table.get(name) else { break };
+        if let Some(item) = number.and_then(|number| value.get_ref().as_array()?.get(number)) {
+            value = item;
+        }
+        line = Some(line_at(text, value.span().start));
+        let Some(below) = value.get_ref().as_table() else { break };
+        table = below;
     }
-    faults.sort_by_key(|(home, _)| *home);
-    Err(faults.into_iter().map(|(_, fault)| fault).collect())
+    line
 }
 
 /// The texts that a key has anywhere in a configuration: the files that it names.
@@ -351,6 +394,42 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// Says that something is suspicious at a key (or at its section when the key is absent).
+    pub(crate) fn warn_at(&self, key: &str, message: String) {
+        match self.all(key).next() {
+            // What a group has from the top is looked at there.
+            Some(found) if found.is_inherited => {}
+            Some(found) => self.context.warn(found.document, Some(found.value.span()), message),
+            None => self.warn_here(message),
+        }
+    }
+
+    /// Says that a table is suspicious.
+    pub(crate) fn warn_here(&self, message: String) {
+        let layer = self.layers.first();
+        if layer.is_some_and(|layer| layer.is_inherited) {
+            return;
+        }
+        self.context.warn(layer.map_or(0, |l| l.document), layer.and_then(|l| l.span.clone()), message);
+    }
+
+    /// Whether the configuration itself has any of the table's keys besides some, files that it names aside.
+    pub(crate) fn has_besides(&self, but: &[&str]) -> bool {
+        let own = self.layers.iter().filter(|layer| layer.document == 0 && !layer.is_inherited);
+        own.flat_map(|layer| layer.table.iter()).any(|(key, _)| !but.contains(&key.get_ref().as_ref()))
+    }
+
+    /// Whether the configuration itself has a key, files that it names aside.
+    pub(crate) fn has(&self, key: &str) -> bool {
+        let mut own = self.layers.iter().filter(|layer| layer.document == 0 && !layer.is_inherited);
+        own.any(|layer| layer.table.contains_key(key))
+    }
+
+    /// Whether the configuration comes from a language in which all keys are written down, used or not.
+    pub(crate) fn names_all(&self) -> bool {
+        self.context.documents.first().is_some_and(|document| document.source.names_all)
+    }
+
     /// The path of the section, for messages.
     pub(crate) fn path(&self) -> &str {
         &self.path
@@ -409,6 +488,37 @@ impl<'a> Section<'a> {
         doc: &str,
     ) -> Option<f64> {
         self.found_number(key, Absent::Words(absent.to_owned()), (min, max), doc)
+    }
+
+    /// A number in a range, or the least and the most of a part of it (one number is both); or nothing:
+    /// `absent` says what happens then.
+    pub(crate) fn number_or_two(
+        &self,
+        key: &str,
+        absent: &str,
+        (min, max): (f64, f64),
+        doc: &str,
+    ) -> Option<[f64; 2]> {
+        self.note(key, Kind::NumberOrTwo { min, max }, Absent::Words(absent.to_owned()), doc);
+        let found = self.get(key)?;
+        let value = found.value.get_ref();
+        let list =
+            || value.as_array()?.iter().map(|item| as_number(item.get_ref())).collect::<Option<Vec<_>>>();
+        let two = as_number(value).map(|one| [one; 2]).or_else(|| list()?.try_into().ok());
+        let Some([least, most]) = two else {
+            self.wrong_type(key, found, "a number, or two: [least, most]");
+            return None;
+        };
+        if let Some(wrong) = [least, most].into_iter().find(|number| !(min..=max).contains(number)) {
+            self.fault(found, format!("`{}` is {wrong}, expected {min} to {max}", self.full(key)));
+            return None;
+        }
+        if least > most {
+            let path = self.full(key);
+            self.fault(found, format!("`{path}` is [{least}, {most}], expected the least first"));
+            return None;
+        }
+        Some([least, most])
     }
 
     fn found_number(&self, key: &str, absent: Absent, (min, max): (f64, f64), doc: &str) -> Option<f64> {

@@ -46,6 +46,9 @@ pub struct StageArgs {
     /// with 2, where that is more than `store.ask_beyond_s`.
     #[arg(long)]
     redo: bool,
+    /// Warnings about the configuration and about the plan are errors (2).
+    #[arg(long)]
+    strict: bool,
     /// Keep what older code made, where nothing else changed; the manifests say so. For upgrades in
     /// mid-dataset.
     #[arg(long, conflicts_with = "force")]
@@ -111,6 +114,7 @@ impl From<StageArgs> for StageOptions {
             edition,
             force,
             redo,
+            strict,
             accept_code,
             threads,
             dry_run,
@@ -127,6 +131,7 @@ impl From<StageArgs> for StageOptions {
             edition,
             force,
             redo,
+            strict,
             accept_code,
             threads,
             dry_run,

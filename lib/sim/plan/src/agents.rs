@@ -11,7 +11,7 @@ use random::Stream;
 use schema::AgentId;
 use schema::tables::PlanAgentRow;
 use settings::stages::PlanSettings;
-use settings::{AgentSettings, SpawnMode, TrafficSettings};
+use settings::{AgentSettings, GivenRsu, SpawnMode, TrafficSettings};
 
 use crate::PlanError;
 use crate::pool::{SpawnPoint, SpawnPool};
@@ -221,13 +221,21 @@ pub(crate) fn vehicle_rows(
 struct Pole {
     xyz_m: Point3<f64>,
     yaw_rad: f64,
-    signal: String,
+    /// None where the user says that one stands there.
+    signal: Option<String>,
 }
 
-/// RSUs at the traffic lights of signalised junctions near the vehicles; warns when there are fewer than
-/// wished for.
+/// Whether RSUs find a place at some junction.
+pub(crate) fn has_lights(map: &Map) -> bool {
+    let signals = map.junctions().iter().flat_map(|junction| &junction.signals);
+    signals.filter_map(|&i| map.signals().get(i)).any(|signal| signal.dynamic)
+}
+
+/// RSUs where the user says, then at the traffic lights of signalised junctions near the vehicles; warns when
+/// there are fewer than wished for.
 pub(crate) fn place_rsus(
     map: &Map,
+    given: &[&GivenRsu],
     placement: &mut Placement,
     scene: u32,
     count: usize,
@@ -246,18 +254,21 @@ pub(crate) fn place_rsus(
             poles.push(Pole {
                 xyz_m: Point3::new(foot.x + step * to.x, foot.y + step * to.y, foot.z),
                 yaw_rad: atan2(to.y, to.x),
-                signal: signal.id.clone(),
+                signal: Some(signal.id.clone()),
             });
         }
     }
-    let mut chosen: Vec<&Pole> = Vec::new();
+    let own = |rsu: &&GivenRsu| Pole { xyz_m: rsu.xyz_m.into(), yaw_rad: rsu.yaw_rad, signal: None };
+    let own: Vec<Pole> = given.iter().take(count).map(own).collect();
+    let mut chosen: Vec<&Pole> = own.iter().collect();
     for pole in stream.sample_indices(poles.len(), poles.len()).into_iter().map(|i| &poles[i]) {
         let apart = |other: &&Pole| (other.xyz_m - pole.xyz_m).norm() >= RSU_APART_M;
         if chosen.len() < count && chosen.iter().all(apart) {
             chosen.push(pole);
         }
     }
-    if chosen.len() < count {
+    // Of a map without lights that is said once, not for each scene.
+    if chosen.len() < count && (has_lights(map) || !given.is_empty()) {
         placement.warnings.push(format!(
             "{} of {count} RSUs: junctions within {:.0} m of the vehicles' start have no more traffic lights; widen agents.{}_spawn_distance_m or change the seed",
             chosen.len(),
@@ -276,7 +287,7 @@ pub(crate) fn place_rsus(
         distracted: false,
         speed_difference: 0.0,
         standstill_gap_m: 0.0,
-        signal: Some(pole.signal.clone()),
+        signal: pole.signal.clone(),
     };
     chosen.into_iter().enumerate().map(row).collect()
 }

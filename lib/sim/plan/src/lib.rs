@@ -16,11 +16,13 @@
 
 mod agents;
 mod error;
+mod given_rsus;
 mod hazards;
 mod lights;
 mod pool;
 mod roster;
 mod scene;
+pub mod suspicions;
 mod timing;
 mod weather;
 
@@ -29,4 +31,4 @@ pub use pool::{SpawnPoint, SpawnPool};
 pub use roster::{Roster, SceneSlot, enrol, scene_slots};
 pub use scene::{Plan, PlanMap, PlannedScene, plan, plan_scene, plan_slots};
 pub use timing::{background_radius_m, draw_duration_s, frame_count};
-pub use weather::{draw_weather, plan_weather};
+pub use weather::{PlannedWeather, draw_weather, plan_weather};

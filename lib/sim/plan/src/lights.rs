@@ -2,7 +2,6 @@
 
 use random::Stream;
 use schema::lights::STREET_LAMP_LM;
-use schema::tables::Weather;
 use settings::LightSettings;
 
 /// The lights of a scene.
@@ -14,22 +13,24 @@ pub(crate) struct Lights {
     pub(crate) random_colors: bool,
 }
 
-/// Draws what happens to the lights; nothing does where the sun stays up.
+/// Draws what happens to the lights; nothing does where it is never dark.
 ///
 /// The common change of all street lamps is uniform within their mean flux, which is the nominal one: every
 /// scene starts from it anew. `high_ground`: the map lies high above its zero level; its buildings keep their
 /// colour.
 pub(crate) fn plan_lights(
     settings: &LightSettings,
-    [initial, last]: &[Weather; 2],
+    is_ever_dark: bool,
     high_ground: bool,
     stream: &mut Stream,
 ) -> Lights {
     let drawn = stream.uniform(-STREET_LAMP_LM, STREET_LAMP_LM);
-    let dark = initial.is_night() || last.is_night();
-    let change_lm =
-        if dark && settings.change_intensity { settings.intensity_change_lm.unwrap_or(drawn) } else { 0.0 };
-    Lights { change_lm, random_colors: dark && settings.random_building_colors && !high_ground }
+    let change_lm = if is_ever_dark && settings.change_intensity {
+        settings.intensity_change_lm.unwrap_or(drawn)
+    } else {
+        0.0
+    };
+    Lights { change_lm, random_colors: is_ever_dark && settings.random_building_colors && !high_ground }
 }
 
 #[cfg(test)]
@@ -39,15 +40,13 @@ mod tests {
     #[test]
     fn only_dark_scenes_change_their_lights() {
         let settings = LightSettings::default();
-        let sun = |sun_altitude_deg| Weather { sun_altitude_deg, ..Weather::default() };
-        let at = |from, to, seed| {
-            plan_lights(&settings, &[sun(from), sun(to)], false, &mut Stream::new(seed, 0, "test", 0))
+        let at = |is_ever_dark, seed| {
+            plan_lights(&settings, is_ever_dark, false, &mut Stream::new(seed, 0, "test", 0))
         };
         let mut sum = 0.0;
         for seed in 0..4000 {
-            assert_eq!(at(30.0, 0.5, seed), Lights { change_lm: 0.0, random_colors: false });
-            let night = at(-5.0, 12.0, seed);
-            assert_eq!(night, at(20.0, -1.0, seed));
+            assert_eq!(at(false, seed), Lights { change_lm: 0.0, random_colors: false });
+            let night = at(true, seed);
             assert!(night.random_colors && night.change_lm.abs() <= STREET_LAMP_LM);
             sum += night.change_lm.abs();
         }
@@ -57,9 +56,8 @@ mod tests {
 
     #[test]
     fn settings_have_the_last_word() {
-        let night = [Weather { sun_altitude_deg: -20.0, ..Weather::default() }; 2];
         let at = |settings: LightSettings, high| {
-            plan_lights(&settings, &night, high, &mut Stream::new(1, 0, "test", 0))
+            plan_lights(&settings, true, high, &mut Stream::new(1, 0, "test", 0))
         };
         let fixed = LightSettings { intensity_change_lm: Some(-2e6), ..LightSettings::default() };
         assert_eq!(at(fixed.clone(), true), Lights { change_lm: -2e6, random_colors: false });

@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use catalogue::Catalogue;
 use opendrive::Map;
 use random::Stream;
-use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow};
+use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow, PlanWeatherRow};
 use settings::SpawnMode;
 use settings::stages::PlanSettings;
 
 use crate::PlanError;
 use crate::agents::{place_rsus, place_vehicles, vehicle_models, vehicle_rows};
+use crate::given_rsus::oddities;
 use crate::hazards::{Surroundings, plan_hazards};
 use crate::lights::plan_lights;
 use crate::pool::SpawnPool;
@@ -36,6 +37,8 @@ pub struct Plan {
     pub agents: Vec<PlanAgentRow>,
     /// One row per accident or road works, by scene.
     pub hazards: Vec<PlanHazardRow>,
+    /// One row per keyframe of the weather within a scene, by scene and time.
+    pub weather: Vec<PlanWeatherRow>,
     /// What could not be had as wished, with scene and map.
     pub warnings: Vec<String>,
 }
@@ -49,6 +52,8 @@ pub struct PlannedScene {
     pub agents: Vec<PlanAgentRow>,
     /// Its accidents and road works.
     pub hazards: Vec<PlanHazardRow>,
+    /// Keyframes of its weather, by time.
+    pub weather: Vec<PlanWeatherRow>,
     /// What could not be had as wished.
     pub warnings: Vec<String>,
 }
@@ -92,6 +97,7 @@ pub fn plan_slots(
         plan.scenes.push(planned.scene);
         plan.agents.extend(planned.agents);
         plan.hazards.extend(planned.hazards);
+        plan.weather.extend(planned.weather);
         plan.warnings.extend(planned.warnings);
     }
     Ok(plan)
@@ -158,7 +164,7 @@ pub fn plan_scene(
 
     let duration_s = draw_duration_s(&settings.timing, &mut stream("plan/duration", 0));
     let warmup_s = settings.timing.warmup_s.max(0.0);
-    let [initial, last] = plan_weather(&settings.weather, seed, number, pool.is_high_ground());
+    let weather = plan_weather(&settings.weather, seed, number, duration_s, pool.is_high_ground());
 
     let AgentCounts { vehicles, rsus, mode } = draw_counts(settings, &mut stream("plan/counts", 0))?;
 
@@ -175,7 +181,8 @@ pub fn plan_scene(
     );
     let mut agents =
         vehicle_rows(settings, number, &models, &placement, |vehicle| stream("plan/driver", vehicle));
-    agents.extend(place_rsus(&map.map, &mut placement, number, rsus, &mut stream("plan/rsus", 0)));
+    let given: Vec<_> = settings.agents.rsus_at.iter().filter(|rsu| rsu.map == slot.map).collect();
+    agents.extend(place_rsus(&map.map, &given, &mut placement, number, rsus, &mut stream("plan/rsus", 0)));
 
     // A share of all vehicles collects data: the others are what is left.
     let connected = settings.agents.penetration.map_or(0, |_| placement.starts.len() as u32);
@@ -183,14 +190,20 @@ pub fn plan_scene(
     let mut walkers = stream("plan/walkers", 0);
     let drawn_walkers = walkers.int_inclusive(0, i64::from(settings.walkers.max_count)) as u32;
     let drawn_factor = walkers.beta(2.4, 1.6);
-    let lights =
-        plan_lights(&settings.lights, &[initial, last], pool.is_high_ground(), &mut stream("plan/lights", 0));
+    let lights = plan_lights(
+        &settings.lights,
+        weather.is_ever_dark(),
+        pool.is_high_ground(),
+        &mut stream("plan/lights", 0),
+    );
     let radius = settings.traffic.spawn_radius_m.unwrap_or_else(|| background_radius_m(duration_s, warmup_s));
+    let starts: Vec<_> = placement.starts.iter().map(|start| start.xyz_m).collect();
+    placement.warnings.extend(oddities(&map.map, &given[..given.len().min(rsus)], &starts, radius));
     let surroundings = Surroundings {
         map: &map.map,
         pool,
         catalogue,
-        agents: placement.starts.iter().map(|start| start.xyz_m).collect(),
+        agents: starts,
         radius_m: radius,
         clearance_m: 0.5 * settings.agents.spawn_separation_m,
     };
@@ -206,9 +219,9 @@ pub fn plan_scene(
         frames: frame_count(duration_s),
         warmup_s,
         spawn_mode: mode.name().into(),
-        dynamic_weather: settings.weather.dynamic,
-        initial_weather: initial.to_array(),
-        final_weather: last.to_array(),
+        dynamic_weather: weather.is_dynamic,
+        initial_weather: weather.initial.to_array(),
+        final_weather: weather.last.to_array(),
         spawn_radius_m: radius,
         spawn_separation_m: settings.agents.spawn_separation_m,
         background_vehicles: background.map(|n| n.min(i32::MAX as u32) as i32),
@@ -220,5 +233,8 @@ pub fn plan_scene(
         pivot_xyz_m: placement.pivots.first().map_or([0.0; 3], |p| p.coords.into()),
     };
     let warnings = placement.warnings.iter().map(|w| format!("scene {number} ({}): {w}", slot.map)).collect();
-    Ok(PlannedScene { scene, agents, hazards, warnings })
+    let between = weather.between.iter();
+    let weather =
+        between.map(|(at_s, w)| PlanWeatherRow { scene: number, at_s: *at_s, weather: w.to_array() });
+    Ok(PlannedScene { scene, agents, hazards, weather: weather.collect(), warnings })
 }

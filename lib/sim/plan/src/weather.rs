@@ -2,7 +2,7 @@
 
 use random::Stream;
 use schema::tables::Weather;
-use settings::WeatherSettings;
+use settings::{WeatherSettings, WeatherValue};
 
 /// Values up to this count as none, percent.
 const FAINT: f64 = 10.0;
@@ -49,20 +49,132 @@ pub fn draw_weather(stream: &mut Stream, high_ground: bool) -> Weather {
     }
 }
 
-/// Initial and final weather of a scene, with the configured values in place of drawn ones. Couplings between
-/// parameters are not applied again after that. Without dynamic weather the two are equal.
-#[must_use]
-pub fn plan_weather(settings: &WeatherSettings, seed: u64, scene: u32, high_ground: bool) -> [Weather; 2] {
-    let draw = |topic| draw_weather(&mut Stream::new(seed, u64::from(scene), topic, 0), high_ground);
-    let initial = draw("plan/weather/initial").with_overrides(&settings.initial);
-    if !settings.dynamic {
-        return [initial, initial];
+/// The weather of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedWeather {
+    /// Before frame 0.
+    pub initial: Weather,
+    /// Of the last frame.
+    pub last: Weather,
+    /// Between them: seconds after the first one, ascending, and the weather then.
+    pub between: Vec<(f64, Weather)>,
+    /// Whether it moves.
+    pub is_dynamic: bool,
+}
+
+impl PlannedWeather {
+    /// Whether the sun is down at any time: it moves evenly between these moments.
+    pub(crate) fn is_ever_dark(&self) -> bool {
+        let between = self.between.iter().map(|(_, weather)| weather);
+        between.chain([&self.initial, &self.last]).any(Weather::is_night)
     }
-    [initial, draw("plan/weather/final").with_overrides(&settings.r#final)]
+}
+
+/// Weather of a scene, with the configured values in place of drawn ones. Couplings between parameters are
+/// not applied again after that. Without dynamic weather only what keyframes say moves.
+#[must_use]
+pub fn plan_weather(
+    settings: &WeatherSettings,
+    seed: u64,
+    scene: u32,
+    duration_s: f64,
+    high_ground: bool,
+) -> PlannedWeather {
+    let stream = |topic: &str, entity| Stream::new(seed, u64::from(scene), topic, entity);
+    let draw = |topic| draw_weather(&mut stream(topic, 0), high_ground);
+    // Each drawn value has a stream of its own, a keyframe's by its time: what is added moves no other.
+    let resolved = |place: &str, entity: u64, values: &[(String, WeatherValue)]| -> Vec<(String, f64)> {
+        let value = |(name, value): &(String, WeatherValue)| {
+            let value = match *value {
+                WeatherValue::Fixed(value) => value,
+                WeatherValue::Between([least, most]) => {
+                    stream(&format!("plan/weather/{place}/{name}"), entity).uniform(least, most)
+                }
+            };
+            (name.clone(), value)
+        };
+        values.iter().map(value).collect()
+    };
+    let first = resolved("initial", 0, &settings.initial);
+    let initial = draw("plan/weather/initial").with_overrides(&first);
+    let (last, ends) = if settings.dynamic {
+        let ends = resolved("final", 0, &settings.r#final);
+        (draw("plan/weather/final").with_overrides(&ends), ends)
+    } else {
+        (initial, Vec::new())
+    };
+    if settings.keyframes.is_empty() {
+        return PlannedWeather { initial, last, between: Vec::new(), is_dynamic: settings.dynamic };
+    }
+    let keyframes: Vec<(f64, Vec<(String, f64)>)> = settings
+        .keyframes
+        .iter()
+        .map(|k| (k.at_s, resolved("keyframe", (1000.0 * k.at_s).round() as u64, &k.values)))
+        .collect();
+    let fixed = Fixed { initial: (initial, &first), last: (last, &ends), keyframes: &keyframes, duration_s };
+    let inner = keyframes.iter().map(|(at_s, _)| *at_s).filter(|at_s| 0.0 < *at_s && *at_s < duration_s);
+    PlannedWeather {
+        initial: fixed.at(0.0),
+        last: fixed.at(duration_s),
+        between: inner.map(|at_s| (at_s, fixed.at(at_s))).collect(),
+        is_dynamic: true,
+    }
+}
+
+/// The weather of a scene with keyframes.
+struct Fixed<'a> {
+    /// At the beginning and at the end: as drawn, and what of it the settings say.
+    initial: (Weather, &'a [(String, f64)]),
+    last: (Weather, &'a [(String, f64)]),
+    keyframes: &'a [(f64, Vec<(String, f64)>)],
+    duration_s: f64,
+}
+
+impl Fixed<'_> {
+    /// The weather at a time, each parameter by itself.
+    fn at(&self, at_s: f64) -> Weather {
+        let of = |name: &str| {
+            let value = |values: &[(String, f64)]| {
+                values.iter().find(|(other, _)| other == name).map(|(_, value)| *value)
+            };
+            let mut moments: Vec<(f64, f64)> =
+                self.keyframes.iter().filter_map(|(at_s, values)| Some((*at_s, value(values)?))).collect();
+            if moments.is_empty() {
+                return None;
+            }
+            if let Some(value) = value(self.initial.1) {
+                moments.insert(0, (0.0, value));
+            }
+            if let Some(value) = value(self.last.1) {
+                // What comes later is past the end.
+                moments.retain(|(at_s, _)| *at_s < self.duration_s);
+                moments.push((self.duration_s, value));
+            }
+            Some(along(&moments, at_s))
+        };
+        let drawn = self.initial.0.mix(&self.last.0, at_s / self.duration_s);
+        let said = Weather::NAMES.iter().filter_map(|name| Some(((*name).to_owned(), of(name)?)));
+        drawn.with_overrides(&said.collect::<Vec<_>>())
+    }
+}
+
+/// The value at a time on straight lines from moment to moment; before the first and after the last it stays.
+fn along(moments: &[(f64, f64)], at_s: f64) -> f64 {
+    let leg = moments.windows(2).find(|leg| leg[0].0 <= at_s && at_s <= leg[1].0);
+    match (leg, moments.first(), moments.last()) {
+        (Some(leg), ..) => {
+            let ((from_s, from), (to_s, to)) = (leg[0], leg[1]);
+            if to_s > from_s { from + (to - from) * (at_s - from_s) / (to_s - from_s) } else { to }
+        }
+        (None, Some((first_s, value)), _) if at_s < *first_s => *value,
+        (None, _, last) => last.map_or(0.0, |(_, value)| *value),
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use settings::WeatherKeyframe;
+
     use super::*;
 
     const DRAWS: u64 = 20_000;
@@ -137,19 +249,115 @@ mod tests {
         assert!((median - 24.5).abs() < 1.0, "{median}");
     }
 
+    fn fixed(name: &str, value: f64) -> (String, WeatherValue) {
+        (name.to_owned(), value.into())
+    }
+
+    fn plan(settings: &WeatherSettings, scene: u32) -> PlannedWeather {
+        plan_weather(settings, 27, scene, 10.0, false)
+    }
+
     #[test]
     fn overrides_replace_values_and_nothing_else() {
-        let drawn = plan_weather(&WeatherSettings::default(), 27, 3, false);
+        let drawn = plan(&WeatherSettings::default(), 3);
         let settings = WeatherSettings {
-            dynamic: true,
-            initial: vec![("cloudiness".into(), 5.0)],
-            r#final: vec![("sun_altitude_deg".into(), -20.0)],
+            initial: vec![fixed("cloudiness", 5.0)],
+            r#final: vec![fixed("sun_altitude_deg", -20.0)],
+            ..WeatherSettings::default()
         };
-        let [initial, last] = plan_weather(&settings, 27, 3, false);
-        assert_eq!(initial, Weather { cloudiness: 5.0, ..drawn[0] });
-        assert_eq!(last, Weather { sun_altitude_deg: -20.0, ..drawn[1] });
-        let still = plan_weather(&WeatherSettings { dynamic: false, ..settings }, 27, 3, false);
-        assert_eq!(still, [initial, initial]);
+        let planned = plan(&settings, 3);
+        assert_eq!(planned.initial, Weather { cloudiness: 5.0, ..drawn.initial });
+        assert_eq!(planned.last, Weather { sun_altitude_deg: -20.0, ..drawn.last });
+        assert!(planned.is_dynamic && planned.between.is_empty());
+        let still = plan(&WeatherSettings { dynamic: false, ..settings }, 3);
+        assert_eq!((still.initial, still.last, still.is_dynamic), (planned.initial, planned.initial, false));
+    }
+
+    #[test]
+    fn values_between_two_numbers_are_drawn_scene_by_scene_and_move_nothing() {
+        let between = |name: &str, two| (name.to_owned(), WeatherValue::Between(two));
+        let settings = WeatherSettings {
+            initial: vec![between("precipitation", [20.0, 80.0])],
+            r#final: vec![between("precipitation", [20.0, 80.0]), between("wetness", [5.0, 6.0])],
+            ..WeatherSettings::default()
+        };
+        let scenes: Vec<PlannedWeather> = (0..2000).map(|scene| plan(&settings, scene)).collect();
+        let rain: Vec<f64> =
+            scenes.iter().flat_map(|p| [p.initial.precipitation, p.last.precipitation]).collect();
+        assert!(rain.iter().all(|value| (20.0..80.0).contains(value)));
+        // Uniform: 60 / sqrt(12) / sqrt(4000) is 0.27.
+        assert!((rain.iter().sum::<f64>() / 4000.0 - 50.0).abs() < 1.1);
+        // A quarter of them in each quarter, and the two ends know nothing of each other.
+        let low = rain.iter().filter(|value| **value < 35.0).count();
+        assert!((900..1100).contains(&low), "{low}");
+        let both = scenes.iter().filter(|p| p.initial.precipitation < 50.0 && p.last.precipitation < 50.0);
+        assert!((430..570).contains(&both.count()));
+        for (scene, planned) in (0..).zip(&scenes) {
+            let drawn = plan(&WeatherSettings::default(), scene);
+            assert!((5.0..6.0).contains(&planned.last.wetness));
+            let precipitation = planned.initial.precipitation;
+            assert_eq!(planned.initial, Weather { precipitation, ..drawn.initial });
+            let Weather { precipitation, wetness, .. } = planned.last;
+            assert_eq!(planned.last, Weather { precipitation, wetness, ..drawn.last });
+        }
+        let fewer = WeatherSettings { r#final: settings.r#final[1..].to_vec(), ..settings };
+        let pairs = (0..20).map(|scene| plan(&fewer, scene)).zip(&scenes);
+        for (one, other) in pairs {
+            assert_eq!((one.initial, one.last.wetness), (other.initial, other.last.wetness));
+        }
+    }
+
+    #[test]
+    fn keyframes_say_what_they_have_and_nothing_else() {
+        let keyframe =
+            |at_s, values: &[(String, WeatherValue)]| WeatherKeyframe { at_s, values: values.to_vec() };
+        let (cloudy, rain) = (|value| fixed("cloudiness", value), |value| fixed("precipitation", value));
+        let mut settings = WeatherSettings {
+            keyframes: vec![
+                keyframe(2.0, &[cloudy(80.0)]),
+                keyframe(4.0, &[rain(60.0)]),
+                keyframe(6.0, &[cloudy(40.0), rain(0.0)]),
+                keyframe(12.0, &[rain(30.0)]),
+            ],
+            ..WeatherSettings::default()
+        };
+        let drawn = plan(&WeatherSettings::default(), 5);
+        let at = |planned: &PlannedWeather, at_s: f64| {
+            let moments = [(0.0, planned.initial), (10.0, planned.last)];
+            let all: Vec<_> = planned.between.iter().copied().chain(moments).collect();
+            all.into_iter().find(|(moment, _)| *moment == at_s).expect("is a moment").1
+        };
+        let planned = plan(&settings, 5);
+        assert_eq!(planned.between.iter().map(|(at_s, _)| *at_s).collect::<Vec<_>>(), [2.0, 4.0, 6.0]);
+        // At 0, 2, 4, 6 and 10 s: clouds stay before 2 s and after 6 s, the rain grows until 12 s.
+        let moments = [0.0, 2.0, 4.0, 6.0, 10.0];
+        let course =
+            |planned: &PlannedWeather, of: fn(&Weather) -> f64| moments.map(|at_s| of(&at(planned, at_s)));
+        assert_eq!(course(&planned, |w| w.cloudiness), [80.0, 80.0, 60.0, 40.0, 40.0]);
+        assert_eq!(course(&planned, |w| w.precipitation), [60.0, 60.0, 60.0, 0.0, 20.0]);
+        for at_s in moments {
+            let want = drawn.initial.mix(&drawn.last, at_s / 10.0);
+            let Weather { cloudiness, precipitation, .. } = at(&planned, at_s);
+            assert_eq!(at(&planned, at_s), Weather { cloudiness, precipitation, ..want }, "{at_s} s");
+        }
+        // The two ends have a say where they say something.
+        settings.initial = vec![cloudy(0.0)];
+        settings.r#final = vec![rain(100.0)];
+        let ended = plan(&settings, 5);
+        assert_eq!(course(&ended, |w| w.cloudiness), [0.0, 80.0, 60.0, 40.0, 40.0]);
+        assert_eq!(course(&ended, |w| w.precipitation), [60.0, 60.0, 60.0, 0.0, 100.0]);
+        // What stands still but for keyframes.
+        let still = plan(&WeatherSettings { dynamic: false, ..settings.clone() }, 5);
+        assert!(still.is_dynamic && still.last.wetness == still.initial.wetness);
+        assert_eq!(course(&still, |w| w.precipitation), course(&planned, |w| w.precipitation));
+        // A night between two days.
+        settings.keyframes = vec![
+            keyframe(0.0, &[fixed("sun_altitude_deg", 9.0)]),
+            keyframe(5.0, &[fixed("sun_altitude_deg", -9.0)]),
+        ];
+        settings.keyframes.push(keyframe(10.0, &[fixed("sun_altitude_deg", 9.0)]));
+        let night = plan(&settings, 5);
+        assert!(night.is_ever_dark() && !night.initial.is_night() && !night.last.is_night());
     }
 
     #[test]

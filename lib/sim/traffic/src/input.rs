@@ -9,7 +9,9 @@ use nalgebra::Point3;
 use opendrive::Map;
 use schema::ObjectId;
 use schema::scene_info::{DriverInfo, HazardInfo, SignalGroupInfo};
-use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, SignalRow, StateRow};
+use schema::tables::{
+    ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, PlanWeatherRow, SignalRow, StateRow,
+};
 use schema::tile::TileIndex;
 use settings::stages::SimulationSettings;
 
@@ -49,6 +51,7 @@ use settings::stages::SimulationSettings;
 ///     scene: &scene,
 ///     agents: &[agent],
 ///     hazards: &[],
+///     weather: &[],
 ///     settings: &SimulationSettings::default(),
 ///     fixed: &Vec::new(),
 ///     first_id: 1,
@@ -71,6 +74,8 @@ pub struct SceneInput<'a> {
     pub agents: &'a [PlanAgentRow],
     /// Its accidents and road works.
     pub hazards: &'a [PlanHazardRow],
+    /// Keyframes of its weather between its beginning and its end, by time.
+    pub weather: &'a [PlanWeatherRow],
     /// The dataset's settings (traffic, walkers, lights, hazards).
     pub settings: &'a SimulationSettings,
     /// Objects that never move. Those of kind `traffic_light` with an `opendrive_id` get signal states; those

@@ -7,7 +7,7 @@ use frames::{LocalOrigin, Object, Pose, World};
 use nalgebra::Point3;
 use random::Stream;
 use schema::footprint::footprint;
-use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanSceneRow, SignalRow, StateRow, Weather};
+use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanSceneRow, SignalRow, StateRow};
 use schema::tile::TileIndex;
 use schema::{ActorRole, AgentKind, FRAME_PERIOD_S, ObjectId};
 
@@ -490,11 +490,7 @@ impl<'a> Simulation<'a> {
 
     fn record(&mut self, frame: i32) {
         let scene = self.input.scene;
-        let (initial, last) =
-            (Weather::from_array(scene.initial_weather), Weather::from_array(scene.final_weather));
-        // Frame 0 has moved one part already; the last frame has the final weather.
-        let share = (f64::from(frame) + 1.0) / f64::from(scene.frames.max(1));
-        let weather = if scene.dynamic_weather { initial.mix(&last, share) } else { initial };
+        let weather = scene.weather_at(self.input.weather, frame);
         if frame >= 0 {
             let lights = &self.input.settings.lights;
             let night = weather.is_night();

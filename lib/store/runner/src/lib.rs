@@ -21,6 +21,7 @@ mod progress;
 mod question;
 mod runner;
 mod status;
+mod suspicions;
 mod views;
 mod why;
 
@@ -37,8 +38,9 @@ pub use options::{ProgressMode, SceneList, Shard, StageOptions};
 pub use output_file::OutputFile;
 pub use programs::{Programs, STAMP_LEN};
 pub use progress::Progress;
-pub use runner::{Forecast, Job, Sections, Stage, init_logging, run_stage, say, settings_or_faults};
+pub use runner::{Forecast, Job, Sections, Stage, Suspicions, init_logging, run_stage, say};
 pub use status::{NotReady, Staleness, State, StateError, Status, planned_scenes};
+pub use suspicions::{Suspicious, settings_or_faults};
 pub use views::{StageSettings, ViewError, config_hash};
 pub use why::why;
 

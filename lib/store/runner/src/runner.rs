@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use serde::Serialize;
-use settings::DatasetSettings;
+use settings::{DatasetSettings, Fault, Suspicion};
 use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, Unit, keys};
 
 use crate::editions::{self, Editions};
@@ -23,6 +23,7 @@ use crate::question::confirmed;
 use crate::status::{
     CodeRule, SOURCE, Staleness, State, Status, manifest_or_stale, plan_section, planned_scenes,
 };
+use crate::suspicions::{Suspicious, settings_or_faults};
 use crate::views::{StageSettings, ViewError, config_hash};
 use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, interrupt, lock};
 
@@ -39,13 +40,16 @@ pub struct Stage<S> {
     /// Lines that say what to expect, for `--dry-run`. Takes the editions, the folder with map files and the
     /// store.
     pub forecast: Option<Forecast>,
+    /// What is suspicious in what the stage would make. Takes the editions, the folder with map files and the
+    /// store.
+    pub suspicions: Option<Suspicions>,
 }
 
 impl<S: StageSettings> Stage<S> {
     /// A stage that reads nothing outside the store.
     #[must_use]
     pub const fn new(run: fn(&mut Job<'_, S>) -> Result<(), StageError>) -> Self {
-        Self { run, sources: |_, _| BTreeMap::new(), sections: None, forecast: None }
+        Self { run, sources: |_, _| BTreeMap::new(), sections: None, forecast: None, suspicions: None }
     }
 
     /// Name in `pipeline.toml`.
@@ -57,6 +61,9 @@ pub type Sections<S> = fn(&S, Option<&Path>, &Store) -> Result<BTreeMap<u32, Str
 
 /// What to expect before anything runs, line by line.
 pub type Forecast = fn(&Editions, Option<&Path>, &Store) -> Result<Vec<String>, StageError>;
+
+/// What is suspicious in what a stage would make.
+pub type Suspicions = fn(&Editions, Option<&Path>, &Store) -> Result<Vec<Suspicion>, StageError>;
 
 /// One piece of work: a scope of a stage.
 pub struct Job<'a, S> {
@@ -217,24 +224,6 @@ fn run_with<S: StageSettings>(stage: Stage<S>, options: &StageOptions, programs:
     }
 }
 
-/// Reads the configuration, printing every fault and, where they are `wanted`, all warnings.
-pub fn settings_or_faults(path: &Path, wanted: bool) -> Option<DatasetSettings> {
-    match settings::load(path) {
-        Ok((settings, warnings)) => {
-            for warning in warnings.iter().filter(|_| wanted) {
-                tracing::warn!("{warning}");
-            }
-            Some(settings)
-        }
-        Err(faults) => {
-            for fault in faults {
-                tracing::error!("{fault}");
-            }
-            None
-        }
-    }
-}
-
 fn try_run<S: StageSettings>(
     stage: Stage<S>,
     options: &StageOptions,
@@ -249,6 +238,7 @@ fn try_run<S: StageSettings>(
         edition,
         force,
         redo,
+        strict,
         accept_code,
         threads,
         dry_run,
@@ -258,7 +248,8 @@ fn try_run<S: StageSettings>(
         .stage(S::STAGE)
         .ok_or_else(|| StageError::usage(format!("pipeline.toml knows no stage {}", S::STAGE)))?;
     // One stage is enough to say what a configuration asks for in vain.
-    let Some(settings) = settings_or_faults(config, spec.unit == UnitKind::Plan) else {
+    let rule = Suspicious::of(*strict, spec.unit == UnitKind::Plan);
+    let Some(settings) = settings_or_faults(config, rule) else {
         return Ok(EXIT_USAGE);
     };
     if let Some(threads) = threads {
@@ -293,6 +284,9 @@ fn try_run<S: StageSettings>(
     run.refuse_imported(&scopes)?;
     // Shares of one store are one wish: what all of them would make again counts.
     let foresight = run.foresee(&scopes, options.shard.is_some())?;
+    if !rule.pass(&run.suspicions(config, *dry_run || *strict)?) {
+        return Ok(EXIT_USAGE);
+    }
     if *dry_run {
         return run.tell(&scopes, &foresight);
     }
@@ -458,6 +452,16 @@ impl<S: StageSettings> Run<'_, S> {
              configuration; another --store keeps what is there, too (asked beyond store.ask_beyond_s = {limit_s} s)",
             lines.join("\n  ")
         )))
+    }
+
+    /// What is suspicious in what the stage would make; in what is made already only if that is asked for.
+    fn suspicions(&self, config: &Path, also_made: bool) -> Result<Vec<Fault>, StageError> {
+        let Some(look) = self.stage.suspicions else { return Ok(Vec::new()) };
+        if !also_made && !self.force && self.state(Scope::Plan, &self.sources())? == State::Done {
+            return Ok(Vec::new());
+        }
+        let found = look(&self.editions, self.maps.as_deref(), &self.store)?;
+        Ok(settings::suspicions_in(config, &found))
     }
 
     /// Says what would be done.

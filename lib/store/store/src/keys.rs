@@ -89,6 +89,8 @@ pub const ROSTER: &str = "plan/roster.json";
 pub const PLAN_SCENES: &str = "plan/scenes.parquet";
 /// Planned hazards.
 pub const PLAN_HAZARDS: &str = "plan/hazards.parquet";
+/// Keyframes of the weather.
+pub const PLAN_WEATHER: &str = "plan/weather.parquet";
 /// Models of packs.
 pub const PLAN_MODELS: &str = "plan/models.parquet";
 /// Planned agents.

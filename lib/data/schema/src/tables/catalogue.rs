@@ -26,6 +26,7 @@ pub fn every_table() -> Vec<TableDoc> {
         describe_table::<PlanSceneRow>(),
         describe_table::<PlanAgentRow>(),
         describe_table::<PlanHazardRow>(),
+        describe_table::<PlanWeatherRow>(),
         describe_table::<PlanModelRow>(),
         describe_table::<VectorMapRow>(),
         describe_table::<SurfaceRow>(),

@@ -106,7 +106,7 @@ table! {
         speed_difference: f64,
         /// Driver's gap to a standing leader, m.
         standstill_gap_m: f64,
-        /// RSU: OpenDRIVE id of the signal whose pole it stands at.
+        /// RSU: OpenDRIVE id of the signal whose pole it stands at; null where the user says where it stands.
         signal: Option<String>,
     }
 }

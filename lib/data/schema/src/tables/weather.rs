@@ -90,6 +90,17 @@ impl Weather {
         ("fog_falloff", "fog_falloff"),
     ];
 
+    /// The parameters that are percents, 0 to 100.
+    pub const PERCENTS: [&'static str; 7] = [
+        "cloudiness",
+        "precipitation",
+        "precipitation_deposits",
+        "wind_intensity",
+        "wetness",
+        "fog_density",
+        "dust_storm",
+    ];
+
     /// Replaces parameters by name; unknown names are left to the configuration reader, which refuses them.
     #[must_use]
     pub fn with_overrides(self, overrides: &[(String, f64)]) -> Self {

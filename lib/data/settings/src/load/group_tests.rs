@@ -29,7 +29,7 @@ fn a_group_has_what_it_says_and_the_rest_from_the_top() {
     assert_eq!((night.seed, night.bev.cells), (3, 200));
     assert_eq!(night.scenario.traffic.vehicles, Some(40));
     assert_eq!(empty.scenario.traffic.vehicles, Some(0));
-    assert_eq!(night.scenario.weather.initial, [("sun_altitude_deg".to_owned(), -20.0)]);
+    assert_eq!(night.scenario.weather.initial, [("sun_altitude_deg".to_owned(), (-20.0).into())]);
     assert!(empty.scenario.weather.initial.is_empty() && all.scenario.weather.initial.is_empty());
     let lidar = |settings: &DatasetSettings| {
         let lidar = &settings.scenario.vehicle_rig.lidars[0];

@@ -3,6 +3,7 @@
 use super::*;
 use crate::BevRule;
 use crate::{BeamSpec, LidarSpec, Optics, Returned, RollingScan, Split, WeatherSpec, ZFill};
+use crate::{WeatherKeyframe, WeatherValue};
 use schema::AgentId;
 use schema::BevClass;
 
@@ -291,7 +292,7 @@ ignore_signs_percentage: 0.5
         (0.05, Some(-0.1))
     );
     assert_eq!((s.bev.cells, s.scenario.lights.street_lamp_failure), (200, 0.25));
-    let weather = [("cloudiness".to_owned(), 12.5), ("sun_altitude_deg".to_owned(), -20.0)];
+    let weather = [("cloudiness".to_owned(), 12.5.into()), ("sun_altitude_deg".to_owned(), (-20.0).into())];
     assert_eq!(s.scenario.weather.initial, weather);
     let scan = &s.scenario.vehicle_rig.lidars[0].scan;
     assert_eq!((scan.channels, scan.columns, s.scenario.vehicle_rig.lidars[0].noise_m), (64, 1024, 0.05));
@@ -336,6 +337,43 @@ fn faults_in_yaml_have_their_lines() {
     assert!(faults("max_vehicles: [1, 2\nmin_vehicles: 2\n").contains("broken YAML"));
     assert!(faults("- 1\n- 2\n").starts_with("bad.yaml:1: expected keys"));
     assert!(faults("").contains("no scenes"));
+}
+
+#[test]
+fn weather_is_fixed_or_between_two_numbers_at_some_moments() {
+    let scenes = "[scenes.train]\n\"convoy/demo\" = 1\n";
+    let text = "[weather.initial]\ncloudiness = 20\nprecipitation = [0, 30]\nwetness = [7, 7]\n\
+                [[weather.keyframes]]\nat_s = 1.5\ncloudiness = 90\n[[weather.keyframes]]\nat_s = 3\nfog_density = [1, 2]\n";
+    let weather = parse(&format!("{scenes}{text}"), "a.toml").expect("is good").scenario.weather;
+    let value = |name: &str, value: WeatherValue| (name.to_owned(), value);
+    let initial = [
+        value("cloudiness", 20.0.into()),
+        value("precipitation", WeatherValue::Between([0.0, 30.0])),
+        value("wetness", 7.0.into()),
+    ];
+    assert_eq!(weather.initial, initial);
+    let keyframe = |at_s, values| WeatherKeyframe { at_s, values };
+    let fog = value("fog_density", WeatherValue::Between([1.0, 2.0]));
+    let keyframes = [keyframe(1.5, vec![value("cloudiness", 90.0.into())]), keyframe(3.0, vec![fog])];
+    assert_eq!(weather.keyframes, keyframes);
+    // As it is kept, and read again.
+    let json = serde_json::to_string(&weather.keyframes[1].values).expect("is JSON");
+    assert_eq!(json, r#"[["fog_density",[1.0,2.0]]]"#);
+    let again: Vec<(String, WeatherValue)> = serde_json::from_str(&json).expect("reads");
+    assert_eq!(again, weather.keyframes[1].values);
+    let bad = "[weather.initial]\nwetness = [80, 20]\ndust_storm = [1, 2, 3]\ncloudiness = [3, 130]\nfog_density = 5\n\
+               [[weather.keyframes]]\nat_s = 0\nfog_density = 7\n[[weather.keyframes]]\nprecipitation = 2\n\
+               [[weather.keyframes]]\nat_s = 9\nrain = 3\n[[weather.keyframes]]\nat_s = 9\n";
+    insta::assert_snapshot!(faults(&format!("{scenes}{bad}")), @r"
+    bad.toml:4: `weather.initial.wetness` is [80, 20], expected the least first
+    bad.toml:5: `weather.initial.dust_storm` is an array, expected a number, or two: [least, most]
+    bad.toml:6: `weather.initial.cloudiness` is 130, expected 0 to 100
+    bad.toml:10: `weather.keyframes[0].fog_density` is at 0 s, as `weather.initial.fog_density` is: leave one of them out
+    bad.toml:11: `weather.keyframes[1].at_s` is missing: when is it, in seconds?
+    bad.toml:11: `weather.keyframes[1].at_s` is 0, not after the one before it (0)
+    bad.toml:15: unknown key `weather.keyframes[2].rain`
+    bad.toml:17: `weather.keyframes[3].at_s` is 9, not after the one before it (9)
+    ");
 }
 
 #[test]

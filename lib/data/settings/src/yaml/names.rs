@@ -70,12 +70,12 @@ const PROPERTIES_ELSEWHERE: &[(&str, &str, &str)] = &[
 ];
 
 /// What becomes of a key.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Rule {
     /// The same value under our name.
     Same(String),
-    /// Percent there, a share here.
-    Percent(String),
+    /// Percent there, a share here: our key, and the share that it has by default.
+    Percent(String, f64),
     /// It has no effect here, and why.
     Nothing(&'static str),
 }
@@ -103,7 +103,8 @@ static NAMES: LazyLock<Names> = LazyLock::new(|| {
                     names.plain.push((name, Rule::Same(key.path.clone())));
                 }
                 (YamlName::Percent(name), None) if is_plain => {
-                    names.plain.push((name, Rule::Percent(key.path.clone())));
+                    let usual = key.default.to_string().parse().unwrap_or_default();
+                    names.plain.push((name, Rule::Percent(key.path.clone(), usual)));
                 }
                 (YamlName::Same(name), Some(ours)) => names.sensors.push((name.into(), ours.clone())),
                 (YamlName::Camera(flag), Some(ours)) => {
@@ -127,7 +128,7 @@ pub fn simbev2x_keys() -> Vec<(String, String)> {
     let plain = NAMES.plain.iter().map(|(key, rule)| {
         let what = match rule {
             Rule::Same(ours) => format!("`{ours}`"),
-            Rule::Percent(ours) => format!("`{ours}`, as a share"),
+            Rule::Percent(ours, _) => format!("`{ours}`, as a share"),
             Rule::Nothing(why) => format!("no effect: {why}"),
         };
         ((*key).to_owned(), what)

@@ -140,8 +140,18 @@ impl<'f> Writer<'f> {
                 None if is_null(value) => {}
                 None => self.warn(at, format!("`{key}`: expected a plain value, ignored")),
             },
-            Rule::Percent(path) => match number(value) {
-                Some(percent) => self.put(at, path, decimal(percent / 100.0)),
+            Rule::Percent(path, usual) => match number(value) {
+                Some(percent) => {
+                    // What is a tenth or more by default is hardly meant to be below a hundredth.
+                    if *usual >= 0.1 && 0.0 < percent && percent < 1.0 {
+                        let meant = decimal((1e11 * percent).round() / 1e9);
+                        let message = format!(
+                            "`{key}` is {percent} of 100 percent, next to nothing: write {meant} if a share is meant"
+                        );
+                        self.warn(at, message);
+                    }
+                    self.put(at, path, decimal(percent / 100.0));
+                }
                 None => self.warn(at, format!("`{key}`: expected a number, ignored")),
             },
             Rule::Nothing(why) => self.warn(at, format!("`{key}` has no effect here: {why}")),

@@ -16,6 +16,15 @@ fn faults(root: &Value, schema: &Value, value: &Value, path: &str, found: &mut V
         let schema = root.pointer(name.trim_start_matches('#')).expect("a reference leads somewhere");
         return faults(root, schema, value, path, found);
     }
+    if let Some(kinds) = schema["anyOf"].as_array() {
+        // What is wrong by the kind that it comes nearest to.
+        let by_kind = kinds.iter().map(|kind| {
+            let mut found = Vec::new();
+            faults(root, kind, value, path, &mut found);
+            found
+        });
+        return found.extend(by_kind.min_by_key(Vec::len).unwrap_or_default());
+    }
     let is_of_type = match schema["type"].as_str() {
         Some("object") => value.is_object(),
         Some("array") => value.is_array(),
@@ -88,11 +97,19 @@ fn schemas_and_reader_agree() {
         ("[scenes.val]\nTown01 = \"many\"", ".scenes.val.Town01"),
         ("[[rigs]]\nagents = [\"rsu_0\"]\n[rigs.lidar]\nchannels = 0", ".rigs[0].lidar.channels"),
         ("[[agents.starts]]\nmap = 3", ".agents.starts[0].map"),
+        ("[weather.initial]\nwetness = [3, 4, 5]", ".weather.initial.wetness"),
+        ("[weather.initial]\nwetness = -3", ".weather.initial.wetness"),
+        ("[[weather.keyframes]]\nat_s = -1", ".weather.keyframes[0].at_s"),
     ] {
         let text = format!("{scenes}{text}\n");
         assert_eq!(faults_of(&schema, &text), [path]);
         let told = settings::parse(&text, "x.toml").expect_err("is bad");
         assert!(told.iter().any(|fault| fault.message.contains(&path[1..])), "{path}: {told:?}");
     }
-    assert_eq!(faults_of(&schema, &format!("{scenes}[bev]\nrule = \"simbev2x\"\n")), [""; 0]);
+    for good in [
+        "[bev]\nrule = \"simbev2x\"",
+        "[[weather.keyframes]]\nat_s = 2\nwetness = [20, 30.5]\ncloudiness = 7",
+    ] {
+        assert_eq!(faults_of(&schema, &format!("{scenes}{good}\n")), [""; 0]);
+    }
 }

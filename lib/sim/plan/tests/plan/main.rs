@@ -3,3 +3,4 @@
 mod hazards;
 mod plan;
 mod statistics;
+mod suspicions;

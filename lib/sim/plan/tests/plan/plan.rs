@@ -8,7 +8,7 @@ use opendrive::{Cubic, Lane, LaneSection, LaneType, Map};
 use plan::{PlanError, PlanMap, SceneSlot, SpawnPool, plan, plan_scene, scene_slots};
 use proptest::prelude::*;
 use settings::stages::PlanSettings;
-use settings::{GivenStart, SceneCount, SpawnMode, Split};
+use settings::{GivenRsu, GivenStart, SceneCount, SpawnMode, Split};
 use testkit::{real_map, road, straight_road};
 
 fn settings(scenes: &[(Split, &str, u32)]) -> PlanSettings {
@@ -62,13 +62,23 @@ fn narrow_places_are_no_spawn_points() {
 fn missing_rsus_are_said() {
     let mut settings = settings(&[(Split::Train, "road", 1)]);
     (settings.agents.min_vehicles, settings.agents.max_vehicles) = (1, 1);
-    let maps = maps(vec![("road", straight(400.0, LaneType::Driving))]);
-    for wanted in [0, 2] {
+    let maps = maps(vec![("road", straight(400.0, LaneType::Driving)), ("town", testkit::crossing(true))]);
+    for wanted in [0, 200] {
         (settings.agents.min_rsus, settings.agents.max_rsus) = (wanted, wanted);
-        let plan = plan(&settings, &maps).expect("a plan");
-        assert_eq!(plan.agents.len(), 1);
-        let said = plan.warnings.iter().any(|w| w.contains("scene 0 (road): 0 of 2 RSUs"));
-        assert_eq!((plan.warnings.len(), said), if wanted == 0 { (0, false) } else { (1, true) });
+        // Of a map without lights it is said once, for all its scenes.
+        let rural = plan(&settings, &maps).expect("a plan");
+        assert_eq!((rural.agents.len(), rural.warnings.len()), (1, 0));
+        let said = plan::suspicions::without_lights(&settings.agents, &maps);
+        assert_eq!(said.len(), usize::from(wanted > 0));
+        for suspicion in said {
+            assert_eq!(suspicion.key, "agents.max_rsus");
+            insta::assert_snapshot!(suspicion.message, @"`agents.max_rsus` is 200, and `road` has no traffic light at a junction: scenes there have no RSUs but where `agents.rsus_at` puts them");
+        }
+        let wish = SceneCount { split: Split::Train, map: "town".into(), count: 1 };
+        let urban = plan(&PlanSettings { scenes: vec![wish], ..settings.clone() }, &maps).expect("a plan");
+        let said =
+            urban.warnings.iter().any(|w| w.contains("scene 0 (town): ") && w.contains(" of 200 RSUs"));
+        assert_eq!((urban.warnings.len(), said), if wanted == 0 { (0, false) } else { (1, true) });
     }
 }
 
@@ -119,7 +129,7 @@ fn a_new_wish_in_one_topic_moves_no_other() {
     let maps = maps(vec![("road", straight(800.0, LaneType::Driving))]);
     let before = plan(&base, &maps).expect("a plan");
     let mut changed = base.clone();
-    changed.weather.initial = vec![("cloudiness".into(), 1.0)];
+    changed.weather.initial = vec![("cloudiness".into(), 1.0.into())];
     changed.walkers.count = Some(7);
     let after = plan(&changed, &maps).expect("a plan");
     assert_eq!(before.agents, after.agents);
@@ -167,6 +177,68 @@ fn too_few_points_give_fewer_vehicles_and_a_warning() {
     let plan = plan(&settings, &maps(vec![("road", straight(30.0, LaneType::Driving))])).expect("a plan");
     assert!(plan.agents.len() < 8 && !plan.agents.is_empty());
     assert!(plan.warnings.len() == 1 && plan.warnings[0].contains("scene 0 (road)"), "{:?}", plan.warnings);
+}
+
+#[test]
+fn given_rsus_come_before_those_at_lights_and_count() {
+    let mut settings = settings(&[(Split::Train, "town", 6), (Split::Train, "road", 1)]);
+    (settings.agents.min_vehicles, settings.agents.max_vehicles) = (2, 2);
+    (settings.agents.min_rsus, settings.agents.max_rsus) = (4, 4);
+    settings.agents.clustered_spawn_distance_m = 1000.0;
+    settings.agents.chained_spawn_distance_m = 1000.0;
+    let both = || maps(vec![("town", testkit::crossing(true)), ("road", straight(400.0, LaneType::Driving))]);
+    let drawn = plan(&settings, &both()).expect("a plan");
+    let rsu =
+        |map: &str, x: f64, y: f64, yaw_rad: f64| GivenRsu { map: map.into(), xyz_m: [x, y, 0.2], yaw_rad };
+    settings.agents.rsus_at =
+        vec![rsu("town", 20.0, -30.0, 1.0), rsu("road", 60.0, 9.0, -1.5), rsu("town", 0.0, 31.0, -2.0)];
+    let given = plan(&settings, &both()).expect("a plan");
+    assert_eq!(given.scenes, drawn.scenes);
+    let rsus = |plan: &plan::Plan, scene: u32| -> Vec<schema::tables::PlanAgentRow> {
+        let here = plan.agents.iter().filter(|a| a.scene == scene);
+        here.filter(|a| a.agent.kind == schema::AgentKind::Rsu).cloned().collect()
+    };
+    for scene in 0..6 {
+        let (before, now) = (rsus(&drawn, scene), rsus(&given, scene));
+        assert_eq!(now.len(), 4);
+        let place =
+            |a: &schema::tables::PlanAgentRow| (a.agent.index, a.xyz_m, a.rpy_rad[2], a.signal.clone());
+        assert_eq!(place(&now[0]), (0, [20.0, -30.0, 0.2], 1.0, None));
+        assert_eq!(place(&now[1]), (1, [0.0, 31.0, 0.2], -2.0, None));
+        // Those at lights are the first that would have been drawn without the others.
+        let lights = |rsus: &[schema::tables::PlanAgentRow]| -> Vec<(Option<String>, [f64; 3])> {
+            rsus.iter().map(|a| (a.signal.clone(), a.xyz_m)).collect()
+        };
+        assert_eq!(lights(&now[2..]), lights(&before[..2]));
+    }
+    // A map without lights has those that are given.
+    let rural = rsus(&given, 6);
+    assert_eq!(rural.iter().map(|a| a.xyz_m).collect::<Vec<_>>(), [[60.0, 9.0, 0.2]]);
+    assert!(given.warnings.iter().any(|w| w.contains("scene 6 (road): 1 of 4 RSUs")), "{:?}", given.warnings);
+    assert_eq!(plan::suspicions::without_lights(&settings.agents, &both()), []);
+    // Fewer are wished for than given: the first.
+    (settings.agents.min_rsus, settings.agents.max_rsus) = (1, 1);
+    let fewer = plan(&settings, &both()).expect("a plan");
+    assert_eq!(rsus(&fewer, 3).iter().map(|a| a.xyz_m).collect::<Vec<_>>(), [[20.0, -30.0, 0.2]]);
+}
+
+#[test]
+fn odd_places_of_rsus_are_said() {
+    let mut settings = settings(&[(Split::Train, "road", 1)]);
+    (settings.agents.min_vehicles, settings.agents.max_vehicles) = (1, 1);
+    (settings.agents.min_rsus, settings.agents.max_rsus) = (2, 2);
+    settings.agents.starts = vec![GivenStart { map: "road".into(), xyz_m: [50.0, -1.75, 0.0], yaw_rad: 0.0 }];
+    settings.traffic.spawn_radius_m = Some(200.0);
+    let at = |x: f64, y: f64| GivenRsu { map: "road".into(), xyz_m: [x, y, 0.0], yaw_rad: 0.0 };
+    settings.agents.rsus_at = vec![at(60.0, -2.0), at(350.0, 8.0)];
+    let maps = maps(vec![("road", straight(400.0, LaneType::Driving))]);
+    let said = plan(&settings, &maps).expect("a plan").warnings.join("\n");
+    insta::assert_snapshot!(said, @r"
+    scene 0 (road): rsu_0 (agents.rsus_at) stands on a lane for vehicles, at 60, -2: they drive through it
+    scene 0 (road): rsu_1 (agents.rsus_at) stands 300 m from the nearest vehicle's start, and traffic starts within 200 m of vehicles: give `agents.starts` near it
+    ");
+    settings.agents.rsus_at = vec![at(60.0, -6.0), at(150.0, 8.0)];
+    assert_eq!(plan(&settings, &maps).expect("a plan").warnings, [""; 0]);
 }
 
 #[test]

@@ -160,6 +160,7 @@ impl Plan {
             scene: &scene,
             agents: &agents,
             hazards: &hazards,
+            weather: &[],
             settings: &settings,
             fixed: &fixed,
             first_id: fixed.len() as u16 + 1,

@@ -443,6 +443,7 @@ pub(crate) fn run_beside(
         scene,
         agents,
         hazards,
+        weather: &[],
         settings,
         fixed: &fixed,
         first_id,
