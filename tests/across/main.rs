@@ -25,6 +25,7 @@ mod python;
 mod replay;
 mod rigs;
 mod seen;
+mod sensor_changes;
 mod shell;
 mod slips;
 mod suspicions;

@@ -2,58 +2,63 @@
 //! rate.
 
 mod agent;
+mod due;
 mod recorder;
+
+use std::collections::BTreeSet;
 
 use render::Renderer;
 use render::cpu::CpuRenderer;
 use replay::{Light, Replay};
-use runner::frames::{FrameGroup, in_turn};
+use runner::frames::{FrameGroup, Writer, in_turn};
 use runner::{At, Job, Place, Stage, StageError};
 use scene::SceneReader;
-use schema::ImageKind;
 use sensors::{Cameras, GeoOrigin, SensorContext, SharedBeams};
-use settings::Rig;
 use settings::stages::SensorSettings;
 use shading::CpuPainter;
 
 use crate::agent::{AgentRig, Renderers, StaticWorld};
+use crate::due::{AgentTables, has_colour};
 
 /// The stage.
 pub const STAGE: Stage<SensorSettings> = Stage::new(run);
 
 fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
-    let (settings, scene) = (job.settings().clone(), job.scene());
+    let (job, scene) = (&*job, job.scene());
     let reader = SceneReader::new(job.store(), scene, job.inputs());
-    let paints = |rig: &Rig| rig.camera.images.has(ImageKind::Rgb) && !rig.cameras.is_empty();
-    let rigs = &settings.rigs;
-    let mut all = [&rigs.vehicle, &rigs.rsu].into_iter().chain(rigs.own.iter().map(|(_, rig)| rig));
-    let light = if all.any(paints) { Light::AmbientOcclusion } else { Light::Any };
+    let agents = reader.agents().at(|| job.place())?;
+    let open = AgentTables::open(job, &agents)?;
+    let due: Vec<BTreeSet<String>> =
+        open.iter().map(|(_, agent, tables)| tables.due(scene, *agent)).collect();
+    let geo_origin = geo_origin(&reader.info().at(|| job.place())?.geo_reference);
+    let carrier = |agent| SensorContext { seed: job.settings().seed, scene, agent, geo_origin };
+    if due.iter().all(BTreeSet::is_empty) {
+        for (_, agent, tables) in open {
+            let rig = job.settings().rigs.of(agent);
+            let (_, writer) = recorder::open(tables, rig, &carrier(agent))?;
+            writer.finish()?;
+        }
+        return Ok(());
+    }
+    let light = if due.iter().any(has_colour) { Light::AmbientOcclusion } else { Light::Any };
     let replay = Replay::in_light(&reader, light).at(|| job.place())?;
     let mut renderer = CpuRenderer::default();
     renderer.prepare(&replay.meshes()).at(|| job.place())?;
     let standing = StaticWorld(&replay);
     let painter = CpuPainter::new(&renderer, &standing);
     let eyes = Renderers { renderer: &renderer, painter: &painter };
-    let agents = replay.log.agent_ids().to_vec();
     let frames = replay.log.frame_count();
-    let geo_origin = geo_origin(&replay.log.info.geo_reference);
     let progress = job.progress();
-    progress.set_total(u64::from(frames) * agents.len() as u64);
-
-    let job = &*job;
-    let parts = agents.iter().enumerate().filter_map(|(position, agent)| {
-        let unit = job.unit(&agent.to_string()).transpose()?;
-        let part = |unit| {
-            let rig = settings.rigs.of(*agent);
-            let carrier = SensorContext { seed: settings.seed, scene, agent: *agent, geo_origin };
-            let (channels, writer) = recorder::open(unit, rig, &carrier)?;
-            let cameras = Cameras::of(rig).at(|| Place::scene(scene).agent(*agent))?;
-            let beams = SharedBeams::of(rig).at(|| Place::scene(scene).agent(*agent))?;
-            let due = channels.due_frames(frames);
-            let seen = AgentRig { replay: &replay, eyes, position, cameras, beams, channels };
-            Ok(FrameGroup { due, seen, writer })
-        };
-        Some(unit.and_then(part))
+    progress.set_total(u64::from(frames) * open.len() as u64);
+    let parts = open.into_iter().zip(due).map(|((position, agent, tables), due)| {
+        let (rig, here) = (job.settings().rigs.of(agent), || Place::scene(scene).agent(agent));
+        let (channels, writer) = recorder::open(tables, rig, &carrier(agent))?;
+        let is_due = |name: &str| due.contains(name);
+        let cameras = Cameras::for_tables(rig, is_due).at(here)?;
+        let beams = SharedBeams::for_tables(rig, is_due).at(here)?;
+        let due = channels.due_frames(frames);
+        let seen = AgentRig { replay: &replay, eyes, position, cameras, beams, channels };
+        Ok(FrameGroup { due, seen, writer })
     });
     in_turn(parts, frames, &progress, AgentRig::sense)
 }

@@ -4,26 +4,28 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use runner::frames::Writer;
-use runner::{Place, Stage, StageError};
+use runner::{Place, StageError};
 use schema::calibration::METADATA_KEY;
 use schema::measures::counts::PartialCounts;
 use schema::measures::sensors::{IMAGES, SENSOR_BYTES, SWEEPS};
 use schema::{AgentId, rate};
 use sensors::{Layout, Observation, Sensor, SensorContext, SensorError, SensorTable, SensorVisitor};
 use settings::Rig;
-use settings::stages::SensorSettings;
-use store::{Finished, TableOptions, TableWriter, Unit, keys};
+use store::{Finished, Output, TableOptions, TableWriter, keys};
 
-/// All sensors of one agent; any thread reads them.
+use crate::due::{AgentTables, counts_key};
+
+/// All sensors of one agent whose tables are made; any thread reads them.
 pub(crate) struct Channels(Vec<Arc<dyn Channel>>);
 
-/// The tables of one agent's sensors, with the unit that they belong to.
+/// The tables of one agent's sensors.
 pub(crate) struct Recorder<'u> {
-    unit: Unit<'u>,
+    tables: AgentTables<'u>,
     scene: u32,
     agent: AgentId,
-    tables: Vec<Box<dyn Table>>,
-    counts: PartialCounts,
+    open: Vec<Box<dyn Table>>,
+    /// What the bytes of tables that were kept are counted as.
+    kept: Vec<(String, Output)>,
 }
 
 /// A sensor that keeps what it read until it is written, whatever its rows are.
@@ -41,10 +43,10 @@ pub(crate) trait Channel: Send + Sync {
 /// The open table of a sensor.
 trait Table: Send {
     /// Appends what was kept of a frame.
-    fn write(&mut self, frame: u32, agent: &str, counts: &mut PartialCounts) -> Result<(), StageError>;
+    fn write(&mut self, frame: u32) -> Result<(), StageError>;
 
-    /// Ends the table; tells what its bytes are counted as.
-    fn finish(self: Box<Self>) -> Result<(String, Finished), StageError>;
+    /// Ends the table; tells what its bytes are counted as, and what was counted of it.
+    fn finish(self: Box<Self>) -> Result<(String, Finished, BTreeMap<String, u64>), StageError>;
 }
 
 struct Reading<S: Sensor> {
@@ -80,34 +82,39 @@ impl<S: Sensor> Channel for Reading<S> {
 struct Written<S: Sensor> {
     reading: Arc<Reading<S>>,
     table: TableWriter<S::Row>,
+    /// By measure.
+    counts: BTreeMap<String, u64>,
 }
 
 impl<S: Sensor> Table for Written<S> {
-    fn write(&mut self, frame: u32, agent: &str, counts: &mut PartialCounts) -> Result<(), StageError> {
+    fn write(&mut self, frame: u32) -> Result<(), StageError> {
         let Some(rows) = self.reading.waiting().remove(&frame) else { return Ok(()) };
         if let Some(amount) = self.reading.sensor.amount(&rows) {
-            let counted_as = &self.reading.about.counted_as;
-            counts.add(agent, amount.measure, counted_as, 0, amount.count);
+            let mut add = |measure: &str, count| {
+                *self.counts.entry(measure.to_owned()).or_default() += count;
+            };
+            add(amount.measure, amount.count);
             if amount.measure != IMAGES {
-                counts.add(agent, SWEEPS, counted_as, 0, 1);
+                add(SWEEPS, 1);
             }
         }
         self.table.push(&rows)?;
         Ok(())
     }
 
-    fn finish(self: Box<Self>) -> Result<(String, Finished), StageError> {
-        Ok((self.reading.about.counted_as.clone(), self.table.finish()?))
+    fn finish(self: Box<Self>) -> Result<(String, Finished, BTreeMap<String, u64>), StageError> {
+        Ok((self.reading.about.counted_as.clone(), self.table.finish()?, self.counts))
     }
 }
 
-/// Opens a table for every sensor that it is shown.
+/// Opens a table for every sensor that it is shown and whose table was not kept.
 struct TableOpener<'a, 'u> {
-    unit: &'a Unit<'u>,
+    tables: &'a AgentTables<'u>,
     scene: u32,
     agent: AgentId,
     channels: Vec<Arc<dyn Channel>>,
-    tables: Vec<Box<dyn Table>>,
+    open: Vec<Box<dyn Table>>,
+    kept: Vec<(String, Output)>,
 }
 
 /// Why a sensor has no table.
@@ -127,6 +134,12 @@ impl SensorVisitor for TableOpener<'_, '_> {
 
     fn visit<S: Sensor + 'static>(&mut self, sensor: S) -> Result<(), Unopened> {
         let about = sensor.table();
+        let key = keys::sensor(self.scene, self.agent, &about.name);
+        if let Some(kept) = self.tables.kept(&key) {
+            self.kept.push((about.counted_as, kept.clone()));
+            return Ok(());
+        }
+        self.tables.made_from(&key).map_err(Unopened::Stage)?;
         let metadata: Vec<(String, String)> =
             about.metadata.iter().map(|json| (METADATA_KEY.to_owned(), json.clone())).collect();
         let options = match about.layout {
@@ -134,34 +147,40 @@ impl SensorVisitor for TableOpener<'_, '_> {
             Layout::CompressedFrames => TableOptions::compressed_frames(metadata),
             Layout::Whole => TableOptions { metadata, ..TableOptions::default() },
         };
-        let key = keys::sensor(self.scene, self.agent, &about.name);
-        let table = self.unit.table(&key, options).map_err(|e| Unopened::Stage(e.into()))?;
+        let table = self.tables.unit.table(&key, options).map_err(|e| Unopened::Stage(e.into()))?;
         let reading = Arc::new(Reading { sensor, about, waiting: Mutex::default() });
         self.channels.push(Arc::clone(&reading) as Arc<dyn Channel>);
-        self.tables.push(Box::new(Written { reading, table }));
+        self.open.push(Box::new(Written { reading, table, counts: BTreeMap::new() }));
         Ok(())
     }
 }
 
-/// Opens a table for every sensor of a rig.
+/// Opens a table for every sensor of a rig whose table was not kept.
 ///
 /// # Errors
 /// A sensor's settings are impossible, or the store cannot be written.
 pub(crate) fn open<'u>(
-    unit: Unit<'u>,
+    tables: AgentTables<'u>,
     rig: &Rig,
     carrier: &SensorContext,
 ) -> Result<(Channels, Recorder<'u>), StageError> {
     let SensorContext { scene, agent, .. } = *carrier;
-    let mut opening = TableOpener { unit: &unit, scene, agent, channels: Vec::new(), tables: Vec::new() };
-    sensors::visit_sensors(rig, carrier, &mut opening).map_err(|e| match e {
+    let mut opener = TableOpener {
+        tables: &tables,
+        scene,
+        agent,
+        channels: Vec::new(),
+        open: Vec::new(),
+        kept: Vec::new(),
+    };
+    sensors::visit_sensors(rig, carrier, &mut opener).map_err(|e| match e {
         Unopened::Sensor(e) => {
             StageError::Failed { place: Box::new(Place::scene(scene).agent(agent)), source: e.into() }
         }
         Unopened::Stage(e) => e,
     })?;
-    let TableOpener { channels, tables, .. } = opening;
-    Ok((Channels(channels), Recorder { unit, scene, agent, tables, counts: PartialCounts::new() }))
+    let TableOpener { channels, open, kept, .. } = opener;
+    Ok((Channels(channels), Recorder { tables, scene, agent, open, kept }))
 }
 
 impl Channels {
@@ -179,23 +198,33 @@ impl Channels {
 impl Writer<()> for Recorder<'_> {
     /// Writes a frame's readings, which must have been made, after those of all earlier frames.
     fn take(&mut self, frame: u32, (): ()) -> Result<(), StageError> {
-        let agent = self.agent.to_string();
-        self.tables.iter_mut().try_for_each(|table| table.write(frame, &agent, &mut self.counts))
+        self.open.iter_mut().try_for_each(|table| table.write(frame))
     }
 
-    /// Ends all tables, counts their bytes, and ends the unit.
+    /// Ends all tables, counts what is in them and in those that were kept, and ends the unit.
     fn finish(self) -> Result<(), StageError> {
-        let Self { mut unit, scene, agent, tables, mut counts } = self;
-        for table in tables {
-            let (counted_as, shard) = table.finish()?;
-            counts.add(&agent.to_string(), SENSOR_BYTES, &counted_as, 0, shard.output().bytes);
-            unit.add(shard);
+        let Self { mut tables, scene, agent, open, kept } = self;
+        let (mut counts, name) = (PartialCounts::new(), agent.to_string());
+        let mut count = |counted_as: &str, bytes: u64, amounts: &BTreeMap<String, u64>| {
+            counts.add(&name, SENSOR_BYTES, counted_as, 0, bytes);
+            for (measure, amount) in amounts {
+                counts.add(&name, measure, counted_as, 0, *amount);
+            }
+        };
+        for (counted_as, output) in &kept {
+            count(counted_as, output.bytes, &output.counts);
         }
-        unit.rows(
-            &keys::partial_stats(scene, &format!("{}.{agent}", Stage::<SensorSettings>::NAME)),
-            &counts.rows(),
-        )?;
-        unit.finish()?;
+        for table in open {
+            let (counted_as, shard, amounts) = table.finish()?;
+            count(&counted_as, shard.output().bytes, &amounts);
+            tables.add(shard, amounts)?;
+        }
+        let key = counts_key(scene, agent);
+        if tables.kept(&key).is_none() {
+            let shard = tables.unit.finished_rows(&key, &counts.rows())?;
+            tables.add(shard, BTreeMap::new())?;
+        }
+        tables.unit.finish()?;
         Ok(())
     }
 }

@@ -1,6 +1,8 @@
 //! All sensors of an agent.
 
 use frames::deg;
+use schema::tables::{BOXES_2D_TABLE, GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE};
+use schema::{ImageKind, ImageSet};
 use serde::{Deserialize, Serialize};
 
 use crate::camera::{CameraSettings, CameraSpec};
@@ -88,6 +90,29 @@ impl Rig {
             }],
             gnss: None,
             imu: None,
+        }
+    }
+}
+
+impl Rig {
+    /// The sensors of which some table is wanted, by the tables' names; of the cameras those kinds of images
+    /// that any of them has to make.
+    #[must_use]
+    pub fn of_tables(&self, is_wanted: impl Fn(&str) -> bool) -> Self {
+        let is_told = is_wanted(VISIBLE_TABLE) || is_wanted(BOXES_2D_TABLE);
+        let makes = |kind: ImageKind, camera: &CameraSpec| is_wanted(&kind.table(&camera.name));
+        let mut images = ImageSet::NONE;
+        for kind in self.camera.images.iter() {
+            images.set(kind, self.cameras.iter().any(|camera| makes(kind, camera)));
+        }
+        let looks = |camera: &&CameraSpec| is_told || images.iter().any(|kind| makes(kind, camera));
+        Self {
+            cameras: self.cameras.iter().filter(looks).cloned().collect(),
+            camera: CameraSettings { images, ..self.camera.clone() },
+            lidars: self.lidars.iter().filter(|lidar| is_wanted(&lidar.name)).cloned().collect(),
+            radars: self.radars.iter().filter(|radar| is_wanted(&radar.name)).cloned().collect(),
+            gnss: self.gnss.clone().filter(|_| is_wanted(GNSS_TABLE)),
+            imu: self.imu.clone().filter(|_| is_wanted(IMU_TABLE)),
         }
     }
 }

@@ -38,9 +38,9 @@ pub struct Observation<'a> {
     pub agent: AgentState,
     /// The weather.
     pub weather: Weather,
-    /// What the cameras of the rig see, in the rig's order; empty when no images are wanted, or none at this
-    /// frame.
-    pub sights: Vec<Sight>,
+    /// What the cameras of the rig see, in the rig's order; none of a camera of which nothing is wanted, and
+    /// empty when nothing is wanted at this frame.
+    pub sights: Vec<Option<Sight>>,
     /// What rays met that several lidars of the agent fire.
     pub(crate) scans: Vec<SharedScan>,
 }
@@ -60,11 +60,15 @@ impl<'a> Observation<'a> {
         let origin = &scene.snapshot().origin;
         let now = &agent.motion.world_from_agent;
         let before = agent.previous.as_ref().map_or(now, |previous| &previous.world_from_agent);
-        let sights = if !cameras.wanted || !rate::is_due(when.frame, cameras.every_n_frames) {
+        let looks = cameras.list.iter().any(Option::is_some);
+        let sights = if !looks || !rate::is_due(when.frame, cameras.every_n_frames) {
             Vec::new()
         } else {
-            let views = cameras.list.iter().map(|camera| camera.view(origin, now, before)).collect();
-            see(scene, painter, when, origin.local_from_world(now.xyz()), views)?
+            let looking = cameras.list.iter().flatten();
+            let views = looking.map(|camera| camera.view(origin, now, before)).collect();
+            let seen = see(scene, painter, when, origin.local_from_world(now.xyz()), views)?;
+            let mut seen = seen.into_iter();
+            cameras.list.iter().map(|camera| camera.as_ref().and_then(|_| seen.next())).collect()
         };
         Ok(Self { frame: when.frame, scene, agent, weather: when.weather, sights, scans: Vec::new() })
     }

@@ -58,3 +58,43 @@ fn visit_lidar<R: SweepRow, V: SensorVisitor>(
         visitor.visit(LidarSensor::<R>::new(lidar, carrier)?)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use schema::{AgentId, ImageKind, ImageSet};
+    use settings::PerAgent;
+    use settings::stages::SensorSettings;
+
+    use super::*;
+    use crate::{GeoOrigin, Sensor, SensorError};
+
+    struct Names(Vec<String>);
+
+    impl SensorVisitor for Names {
+        type Error = SensorError;
+
+        fn visit<S: Sensor>(&mut self, sensor: S) -> Result<(), SensorError> {
+            self.0.push(sensor.table().name);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn of_every_sensor_it_is_said_what_its_table_depends_on() {
+        let mut rig = Rig::vehicle();
+        rig.lidars.push(rig.lidars[0].semantic());
+        for (images, boxes) in [(ImageSet::of(ImageKind::ALL), true), (ImageSet::NONE, true)] {
+            (rig.camera.images, rig.camera.boxes_2d) = (images, boxes);
+            let agent = AgentId::vehicle(0);
+            let carrier = SensorContext { seed: 1, scene: 0, agent, geo_origin: GeoOrigin::default() };
+            let mut visited = Names(Vec::new());
+            visit_sensors(&rig, &carrier, &mut visited).expect("all can be made");
+            let rigs = PerAgent { vehicle: rig.clone(), rsu: Rig::rsu(), own: Vec::new() };
+            let settings = SensorSettings { seed: 1, rigs };
+            let mut told: Vec<String> = settings.tables(agent).into_iter().map(|table| table.name).collect();
+            told.sort_unstable();
+            visited.0.sort_unstable();
+            assert_eq!(told, visited.0);
+        }
+    }
+}

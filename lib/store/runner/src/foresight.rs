@@ -5,17 +5,19 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use indicatif::DecimalBytes;
+use schema::AgentId;
 use schema::tables::{PlanAgentRow, PlanSceneRow};
-use settings::KeyChange;
-use store::{Manifest, Scope, Store, StoreError, keys};
+use settings::{DatasetSettings, KeyChange};
+use store::{Manifest, Output, Scope, Store, StoreError, keys};
 
 use crate::editions::Editions;
-use crate::forecast::{Work, work_by_stage};
+use crate::forecast::{Work, work_by_stage, work_of_sensors};
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::is_imported;
 use crate::programs::Programs;
+use crate::shards;
 use crate::status::{CodeRule, Staleness, StateError, Status, manifest_or_stale, plan_section};
-use crate::views::config_hash;
+use crate::views::{config_hash, shards_of};
 
 /// Why finished work would be made again.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -55,6 +57,8 @@ struct Finished {
     asks: bool,
     /// Bytes as stored.
     bytes: f64,
+    /// Of a changed configuration, the shards that it concerns, where the stage keeps the others.
+    changed: Option<BTreeSet<String>>,
 }
 
 /// What a run would make again although it is finished.
@@ -129,11 +133,15 @@ impl Foresight {
             };
             // What is not planned any more stays as it is.
             let Some(now) = now else { continue };
+            let settings = editions.of(Scope::Scene(*scene));
             for (stage, redo) in
                 foresight.of_scene(store, (&stages, editions), intent, (*scene, planned, now))?
             {
-                let mut work = costs.of(store, plan.as_ref(), editions, (*scene, stage));
-                work.bytes = redo.bytes;
+                let mut work = match &redo.changed {
+                    None => Work { bytes: 0.0, ..costs.of(store, plan.as_ref(), editions, (*scene, stage)) },
+                    Some(changed) => costs.of_tables(store, plan.as_ref(), settings, (*scene, changed)),
+                };
+                work.bytes = work.bytes.max(redo.bytes);
                 work.core_s = work.core_s.max(redo.bytes / BYTES_PER_CORE_S);
                 let position = Graph::get().stages.iter().position(|s| s.name == stage).unwrap_or_default();
                 let all = foresight.redone.entry((position, redo.cause, redo.asks)).or_default();
@@ -152,21 +160,31 @@ impl Foresight {
         intent: &Intent<'_>,
         (scene, planned, now): (u32, &Option<String>, &String),
     ) -> Result<Vec<(&'static str, Finished)>, StateError> {
-        let planner = Graph::get().planner().name;
-        let mut redone: BTreeMap<&'static str, bool> = BTreeMap::new();
-        let mut digests: BTreeMap<&'static str, String> = BTreeMap::new();
+        let (planner, scope) = (Graph::get().planner().name, Scope::Scene(scene));
+        let settings = editions.of(scope);
+        let mut redone: BTreeMap<&'static str, (bool, Option<BTreeSet<String>>)> = BTreeMap::new();
+        let mut manifests: BTreeMap<&'static str, Manifest> = BTreeMap::new();
         let mut found = Vec::new();
-        let scope = Scope::Scene(scene);
         for &stage in stages {
             let manifest = manifest_or_stale(store, scope, stage.name)?.unwrap_or_default();
             let Some(manifest) = manifest.filter(|manifest| !is_imported(manifest)) else { continue };
-            digests.insert(stage.name, manifest.digest());
+            let shards = shards_of(stage)?;
+            let part = |input: &StageSpec| {
+                let read = manifests.get(input.name)?.clone();
+                Some((shards.part)(settings, scope, read))
+            };
             let made_of = manifest.inputs.get(planner);
-            let input = stage.inputs().find_map(|input| Some((input.name, *redone.get(input.name)?)));
+            let input = stage.inputs().find_map(|input| {
+                let (asks, changed) = redone.get(input.name)?;
+                let is_read = |changed: &BTreeSet<String>| {
+                    part(input).is_none_or(|part| changed.iter().any(|key| part.has(key)))
+                };
+                changed.as_ref().is_none_or(is_read).then_some((input.name, *asks))
+            });
             // Made again already, by whoever was asked then.
             let renewed = stage.inputs().find(|input| {
-                let (then, now) = (manifest.inputs.get(input.name), digests.get(input.name));
-                now.is_some() && then != now
+                let then = manifest.inputs.get(input.name);
+                part(input).is_some_and(|part| !then.is_some_and(|then| part.is(then)))
             });
             let cause = if made_of.is_some_and(|digest| digest != now) {
                 // Where the plan was made anew already, whoever did that was asked.
@@ -181,12 +199,24 @@ impl Foresight {
                 code_cause(intent, stage.name, &manifest).map(|why| (Cause::Code(why.to_string()), false))
             };
             if let Some((cause, asks)) = cause {
-                redone.insert(stage.name, asks);
+                let is_by_settings = cause == Cause::Configuration && input.is_none() && renewed.is_none();
+                let changed = if is_by_settings && code_cause(intent, stage.name, &manifest).is_none() {
+                    let made_from = |scene, agents: &[AgentId]| (shards.made_from)(settings, scene, agents);
+                    shards::changed(made_from, scene, &manifest)?
+                } else {
+                    None
+                };
+                redone.insert(stage.name, (asks, changed.clone()));
                 if intent.stages.iter().any(|wanted| wanted.name == stage.name) {
-                    let bytes = manifest.outputs.iter().map(|output| output.bytes as f64).sum();
-                    found.push((stage.name, Finished { cause, asks, bytes }));
+                    let is_redone = |output: &&Output| {
+                        changed.as_ref().is_none_or(|changed| changed.contains(&output.key))
+                    };
+                    let redone = manifest.outputs.iter().filter(is_redone);
+                    let bytes = redone.map(|output| output.bytes as f64).sum();
+                    found.push((stage.name, Finished { cause, asks, bytes, changed }));
                 }
             }
+            manifests.insert(stage.name, manifest);
         }
         Ok(found)
     }
@@ -270,6 +300,8 @@ fn code_cause(intent: &Intent<'_>, stage: &str, manifest: &Manifest) -> Option<S
 #[derive(Default)]
 struct Costs {
     scenes: Option<BTreeMap<u32, BTreeMap<&'static str, Work>>>,
+    /// Agents of each scene, with its frames.
+    agents: Option<BTreeMap<u32, Vec<(AgentId, u32)>>>,
 }
 
 impl Costs {
@@ -286,21 +318,48 @@ impl Costs {
         scenes.get(&scene).and_then(|stages| stages.get(stage).copied()).unwrap_or_default()
     }
 
+    /// The same of some tables of sensors, by their keys.
+    fn of_tables(
+        &mut self,
+        store: &Store,
+        plan: Option<&Manifest>,
+        settings: &DatasetSettings,
+        (scene, tables): (u32, &BTreeSet<String>),
+    ) -> Work {
+        let read = || plan.and_then(|plan| Self::agents(store, plan).ok()).unwrap_or_default();
+        let (rigs, mut all) = (settings.scenario.rigs(), Work::default());
+        for &(agent, frames) in self.agents.get_or_insert_with(read).get(&scene).into_iter().flatten() {
+            let is_wanted = |name: &str| tables.contains(&keys::sensor(scene, agent, name));
+            all += work_of_sensors(&rigs.of(agent).of_tables(is_wanted), frames);
+        }
+        all
+    }
+
+    fn agents(store: &Store, plan: &Manifest) -> Result<BTreeMap<u32, Vec<(AgentId, u32)>>, StoreError> {
+        let scenes: Vec<PlanSceneRow> = store.read_rows(plan, keys::PLAN_SCENES)?;
+        let agents: Vec<PlanAgentRow> = store.read_rows(plan, keys::PLAN_AGENTS)?;
+        let frames: BTreeMap<u32, u32> = scenes.iter().map(|row| (row.scene, row.frames)).collect();
+        let mut found: BTreeMap<u32, Vec<(AgentId, u32)>> = BTreeMap::new();
+        for agent in &agents {
+            if let Some(frames) = frames.get(&agent.scene) {
+                found.entry(agent.scene).or_default().push((agent.agent, *frames));
+            }
+        }
+        Ok(found)
+    }
+
     fn read(
         store: &Store,
         plan: &Manifest,
         editions: &Editions,
     ) -> Result<BTreeMap<u32, BTreeMap<&'static str, Work>>, StoreError> {
-        let scenes: Vec<PlanSceneRow> = store.read_rows(plan, keys::PLAN_SCENES)?;
-        let agents: Vec<PlanAgentRow> = store.read_rows(plan, keys::PLAN_AGENTS)?;
-        let frames: BTreeMap<u32, u32> = scenes.iter().map(|row| (row.scene, row.frames)).collect();
         let mut costs: BTreeMap<u32, BTreeMap<&'static str, Work>> = BTreeMap::new();
-        for agent in &agents {
-            let Some(frames) = frames.get(&agent.scene) else { continue };
-            let of_scene = costs.entry(agent.scene).or_default();
-            let settings = editions.of(Scope::Scene(agent.scene));
-            for (stage, work) in work_by_stage(settings, agent.agent, *frames) {
-                *of_scene.entry(stage).or_default() += work;
+        for (scene, agents) in Self::agents(store, plan)? {
+            let (of_scene, settings) = (costs.entry(scene).or_default(), editions.of(Scope::Scene(scene)));
+            for (agent, frames) in agents {
+                for (stage, work) in work_by_stage(settings, agent, frames) {
+                    *of_scene.entry(stage).or_default() += work;
+                }
             }
         }
         Ok(costs)

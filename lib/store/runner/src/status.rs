@@ -9,7 +9,7 @@ use crate::editions::Editions;
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::is_imported;
 use crate::programs::Programs;
-use crate::views::{ViewError, config_hash};
+use crate::views::{ViewError, config_hash, shards_of};
 
 /// State of a stage for a scope.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -128,8 +128,23 @@ pub(crate) fn plan_section(scene: u32) -> String {
 pub(crate) struct Inputs {
     /// Digest of each thing, by name: what a manifest remembers.
     pub(crate) digests: BTreeMap<String, String>,
+    /// Digests of whole manifests of which a part is read: older manifests remember these.
+    whole: BTreeMap<String, String>,
     /// The manifests of the stages it reads, by stage.
     pub(crate) manifests: BTreeMap<String, Manifest>,
+}
+
+impl Inputs {
+    /// What differs from the digests that a manifest remembers, if anything does.
+    fn differing(&self, stored: &BTreeMap<String, String>) -> Option<String> {
+        let is_same = |(name, digest): &(&String, &String)| {
+            let then = stored.get(*name);
+            then == Some(*digest) || then.is_some() && then == self.whole.get(*name)
+        };
+        let changed = self.digests.iter().find(|input| !is_same(input)).map(|(name, _)| name.clone());
+        let is_gone = || stored.keys().any(|name| !self.digests.contains_key(name));
+        changed.or_else(|| is_gone().then(|| "an input".to_owned()))
+    }
 }
 
 /// A stage's manifest, or `Stale` when it is damaged: the stage can be run again as if something had changed.
@@ -236,13 +251,11 @@ impl<'a> Status<'a> {
         let stored: BTreeMap<String, String> = stored.map(|(n, d)| (n.clone(), d.clone())).collect();
         match self.inputs(spec, scope)? {
             Err(why) => return Ok(State::Stale(Staleness::NotReady(why))),
-            Ok(now) if now.digests != stored => {
-                let changed = now
-                    .digests
-                    .iter()
-                    .find(|(name, digest)| stored.get(*name) != Some(digest))
-                    .map_or("an input", |(name, _)| name.as_str());
-                return Ok(State::Stale(Staleness::Redone(changed.to_owned())));
+            // Which part of an input is read is for the configuration to say.
+            Ok(now) if self.editions.is_some() => {
+                if let Some(changed) = now.differing(&stored) {
+                    return Ok(State::Stale(Staleness::Redone(changed)));
+                }
             }
             Ok(_) => {}
         }
@@ -277,7 +290,8 @@ impl<'a> Status<'a> {
         scope: Scope,
     ) -> Result<Result<Inputs, NotReady>, StateError> {
         let store = self.store;
-        let mut inputs = Inputs { digests: BTreeMap::new(), manifests: BTreeMap::new() };
+        let mut inputs =
+            Inputs { digests: BTreeMap::new(), whole: BTreeMap::new(), manifests: BTreeMap::new() };
         for read in spec.inputs() {
             let name = read.name;
             match (spec.unit, read.unit) {
@@ -315,8 +329,11 @@ impl<'a> Status<'a> {
                         return Ok(Err(NotReady::Stage { name, state: Box::new(state) }));
                     }
                     if let Some(manifest) = store.manifest(scope, name)? {
-                        inputs.digests.insert(name.to_owned(), manifest.digest());
-                        inputs.manifests.insert(name.to_owned(), manifest);
+                        let Some(editions) = self.editions else { continue };
+                        let part = (shards_of(spec)?.part)(editions.of(scope), scope, manifest);
+                        inputs.digests.insert(name.to_owned(), part.digest);
+                        inputs.whole.insert(name.to_owned(), part.whole);
+                        inputs.manifests.insert(name.to_owned(), part.manifest);
                     }
                 }
             }

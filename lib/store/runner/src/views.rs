@@ -1,6 +1,6 @@
 //! What each stage sees of the configuration, and its digest.
 
-use schema::ImageKind;
+use schema::{AgentId, ImageKind};
 use serde::Serialize;
 use settings::stages::{
     MaskSettings, PlanSettings, RangeRig, RangeSensor, SensorSettings, SimulationSettings,
@@ -11,6 +11,7 @@ use store::Scope;
 
 use crate::editions::Editions;
 use crate::graph::StageSpec;
+use crate::shards::{self, IsRead, MadeFrom, Shards};
 
 /// The part of a configuration that a stage sees.
 pub trait StageSettings: Serialize + Sized {
@@ -19,6 +20,21 @@ pub trait StageSettings: Serialize + Sized {
 
     /// Takes the part out of the whole.
     fn of(all: &DatasetSettings) -> Self;
+
+    /// Which shards of a scene it reads of another stage, if not all: it sees no others, and the others may be
+    /// made again without it.
+    fn reads(&self, _stage: &str) -> Option<IsRead<'_>> {
+        None
+    }
+
+    /// What each shard of a scene with some agents depends on of these settings, where the stage can make some
+    /// without the others: those that depend on what they did are kept when it is done again.
+    ///
+    /// # Errors
+    /// The settings cannot be written down.
+    fn made_from(&self, _scene: u32, _agents: &[AgentId]) -> Result<MadeFrom, ViewError> {
+        Ok(MadeFrom::new())
+    }
 
     /// The part of a stage that works on the whole dataset.
     fn of_dataset(editions: &Editions) -> Self {
@@ -101,6 +117,10 @@ impl StageSettings for SensorSettings {
     fn of(all: &DatasetSettings) -> Self {
         Self { seed: all.seed, rigs: all.scenario.rigs() }
     }
+
+    fn made_from(&self, scene: u32, agents: &[AgentId]) -> Result<MadeFrom, ViewError> {
+        shards::of_sensors(self, scene, agents)
+    }
 }
 
 impl StageSettings for MaskSettings {
@@ -128,6 +148,10 @@ impl StageSettings for ValiditySettings {
             rigs: all.scenario.rigs().map(range_rig),
             occupancy: all.scenario.occupancy(),
         }
+    }
+
+    fn reads(&self, stage: &str) -> Option<IsRead<'_>> {
+        shards::read_for_validity(self, stage)
     }
 }
 
@@ -181,11 +205,11 @@ fn statistics_of_group(all: &DatasetSettings, group: &Group) -> Option<(String, 
     Some((group.name.clone(), StatisticsSettings::of(&all.of_group(&group.name)?)))
 }
 
-/// A stage and the bytes of what it sees.
-type View = (&'static str, fn(&Editions, Scope) -> serde_json::Result<Vec<u8>>);
+/// A stage, the bytes of what it sees, and what is told of its shards.
+type View = (&'static str, fn(&Editions, Scope) -> serde_json::Result<Vec<u8>>, Shards);
 
 const fn view<S: StageSettings>() -> View {
-    (S::STAGE, |editions, scope| serde_json::to_vec(&S::of_scope(editions, scope)))
+    (S::STAGE, |editions, scope| serde_json::to_vec(&S::of_scope(editions, scope)), Shards::of::<S>())
 }
 
 /// What each stage sees. A stage that is missing here cannot be run: [`config_hash`] says so.
@@ -220,13 +244,22 @@ pub enum ViewError {
     },
 }
 
+fn view_of(spec: &StageSpec) -> Result<&'static View, ViewError> {
+    VIEWS.iter().find(|(name, ..)| *name == spec.name).ok_or(ViewError::Unknown { stage: spec.name })
+}
+
+/// What is told of a stage's shards.
+pub(crate) fn shards_of(spec: &StageSpec) -> Result<Shards, ViewError> {
+    view_of(spec).map(|(_, _, shards)| *shards)
+}
+
 /// Digest of what a stage sees of the configuration for a scope.
 ///
 /// # Errors
 /// Nothing is said of the stage, or its view cannot be written down: both are bugs.
 pub fn config_hash(spec: &StageSpec, editions: &Editions, scope: Scope) -> Result<String, ViewError> {
     let stage = spec.name;
-    let (_, bytes) = VIEWS.iter().find(|(name, _)| *name == stage).ok_or(ViewError::Unknown { stage })?;
+    let (_, bytes, _) = view_of(spec)?;
     let bytes = bytes(editions, scope).map_err(|source| ViewError::Json { stage, source })?;
     Ok(store::hash_bytes(&bytes))
 }

@@ -9,10 +9,11 @@ use crate::editions::Editions;
 use crate::graph::{StageSpec, UnitKind};
 use crate::imported::is_imported;
 use crate::programs::Programs;
+use crate::shards::Part;
 use crate::status::{
     NOT_DONE, SOURCE, Staleness, State, StateError, Status, manifest_or_stale, plan_section,
 };
-use crate::views::config_hash;
+use crate::views::{config_hash, shards_of};
 
 /// Statistics name so many stages of scenes that changed.
 const MOST: usize = 20;
@@ -151,7 +152,10 @@ impl Chain<'_> {
                 continue;
             }
             let now = manifest_or_stale(self.store, scope, read.name)?.unwrap_or_default();
-            if now.is_some_and(|now| then != Some(&now.digest())) {
+            let part =
+                |now| Ok::<_, StateError>((shards_of(spec)?.part)(self.editions.of(scope), scope, now));
+            let is_other = |part: Part| then.is_none_or(|then| !part.is(then));
+            if now.map(part).transpose()?.is_some_and(is_other) {
                 self.add(&format!("{} was made again since", read.name));
             }
         }

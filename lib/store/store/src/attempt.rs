@@ -64,8 +64,43 @@ pub struct Attempt {
     store: Store,
     identity: Identity,
     redo: Redo,
+    earlier: Earlier,
     so_far: Mutex<SoFar>,
     sections: BTreeMap<String, String>,
+}
+
+/// Shards of earlier tries that may be kept, and whether they are certainly as they were written: those of a
+/// manifest that stands.
+#[derive(Debug, Default)]
+struct Earlier(Vec<(Output, bool)>);
+
+impl Earlier {
+    /// Those of a manifest that stands.
+    fn standing(old: &Manifest, identity: &Identity, force: bool) -> Self {
+        let mut earlier = Self::default();
+        earlier.add(old, identity, force);
+        earlier.0.iter_mut().for_each(|(_, is_certain)| *is_certain = true);
+        earlier
+    }
+
+    /// Adds those of a record of the same code and the same inputs: whose settings alone may be others.
+    fn add(&mut self, record: &Manifest, identity: &Identity, force: bool) {
+        let is_alike = record.code_version == identity.code_version && record.inputs == identity.inputs;
+        if !force && is_alike && identity.may_go_on_from(record) {
+            let outputs = record.outputs.iter().filter(|output| output.made_from.is_some());
+            self.0.extend(outputs.map(|output| (output.clone(), false)));
+        }
+    }
+}
+
+impl Identity {
+    /// Whether what an earlier try made is what this build would make.
+    fn may_go_on_from(&self, record: &Manifest) -> bool {
+        match (&self.made_by, &record.made_by) {
+            (Some(now), Some(then)) => now.makes_the_same(then),
+            _ => true,
+        }
+    }
 }
 
 /// How far a try has come.
@@ -90,15 +125,46 @@ impl Attempt {
         store.backend().sweep(&scope.swept_folder(), stage)?;
         let old = sound(store.manifest(scope, stage))?;
         let old_stands = store.backend().size(&scope.manifest(stage))?.is_some();
-        let redo = match old {
-            Some(old) => Redo {
-                generation: old.generation + u32::from(force),
-                replaces: old.outputs.into_iter().map(|o| o.key).collect(),
-            },
-            None => sound(store.read_json(&scope.redo(stage)))?.unwrap_or_default(),
+        let (redo, earlier) = match old {
+            Some(old) => {
+                let generation = old.generation + u32::from(force);
+                let replaces = old.outputs.iter().map(|o| o.key.clone()).collect();
+                let earlier = Earlier::standing(&old, &identity, force);
+                let tells = !force && old.outputs.iter().any(|output| output.made_from.is_some());
+                (Redo { generation, replaces, old: tells.then_some(old) }, earlier)
+            }
+            None => Self::go_on(store, &identity, force)?,
         };
         let so_far = Mutex::new(SoFar { old_stands, outputs: Vec::new() });
-        Ok(Self { store: store.clone(), identity, redo, so_far, sections: BTreeMap::new() })
+        Ok(Self { store: store.clone(), identity, redo, earlier, so_far, sections: BTreeMap::new() })
+    }
+
+    /// Takes up what a try left that was stopped after it had set the old manifest aside, or had none. What
+    /// it had finished for another identity is replaced like the old manifest's outputs.
+    fn go_on(store: &Store, identity: &Identity, force: bool) -> Result<(Redo, Earlier), StoreError> {
+        let (scope, stage) = (identity.scope, identity.stage.as_str());
+        let read: Redo = sound(store.read_json(&scope.redo(stage)))?.unwrap_or_default();
+        let mut redo = read.clone();
+        let mut earlier = Earlier::default();
+        if let Some(old) = &redo.old {
+            earlier.add(old, identity, force);
+        }
+        for key in store.backend().list(&scope.parts(stage))? {
+            let Some(part) = sound(store.read_json::<Manifest>(&key))? else { continue };
+            earlier.add(&part, identity, force);
+            let is_same = (&part.code_version, &part.config_hash, &part.inputs)
+                == (&identity.code_version, &identity.config_hash, &identity.inputs);
+            if !is_same {
+                redo.replaces.extend(part.outputs.into_iter().map(|output| output.key));
+            }
+        }
+        redo.replaces.sort_unstable();
+        redo.replaces.dedup();
+        if redo.replaces.len() > read.replaces.len() {
+            // The records of those units are about to be replaced.
+            store.write_json(&scope.redo(stage), stage, &redo)?;
+        }
+        Ok((redo, earlier))
     }
 
     fn so_far(&self) -> MutexGuard<'_, SoFar> {
@@ -189,22 +255,33 @@ impl Attempt {
         if let Some(part) = sound(self.store.read_json::<Manifest>(&key))? {
             let same = Manifest { outputs: part.outputs.clone(), ..self.manifest_of(Vec::new()) };
             if part.digest() == same.digest()
-                && self.may_go_on_from(&part)
+                && self.identity.may_go_on_from(&part)
                 && self.store.outputs_present(&part)?
             {
                 self.so_far().outputs.extend(part.outputs);
                 return Ok(None);
             }
         }
-        Ok(Some(Unit { attempt: self, name: name.to_owned(), shards: Vec::new() }))
+        Ok(Some(Unit { attempt: self, name: name.to_owned(), shards: Vec::new(), kept: Vec::new() }))
     }
 
-    /// Whether a unit that an earlier try finished is what this build would make.
-    fn may_go_on_from(&self, part: &Manifest) -> bool {
-        match (&self.identity.made_by, &part.made_by) {
-            (Some(now), Some(then)) => now.makes_the_same(then),
-            _ => true,
+    /// A shard that an earlier try made from the same, if it is still there.
+    fn earlier(&self, key: &str, made_from: &str) -> Result<Option<Output>, StoreError> {
+        for (output, is_certain) in &self.earlier.0 {
+            if output.key != key || output.made_from.as_deref() != Some(made_from) {
+                continue;
+            }
+            let is_there = if *is_certain {
+                self.store.backend().size(key)? == Some(output.bytes)
+            } else {
+                // It may have been replaced before that try was stopped.
+                self.store.holds(output)?
+            };
+            if is_there {
+                return Ok(Some(output.clone()));
+            }
         }
+        Ok(None)
     }
 
     /// Keys of the shards of all finished units, sorted.
@@ -265,6 +342,7 @@ pub struct Unit<'a> {
     attempt: &'a Attempt,
     name: String,
     shards: Vec<Finished>,
+    kept: Vec<Output>,
 }
 
 impl Unit<'_> {
@@ -289,10 +367,19 @@ impl Unit<'_> {
     /// # Errors
     /// The store cannot be written.
     pub fn rows<R: Row>(&mut self, key: &str, rows: &[R]) -> Result<(), StoreError> {
+        let shard = self.finished_rows(key, rows)?;
+        self.add(shard);
+        Ok(())
+    }
+
+    /// The same, not yet among the unit's outputs.
+    ///
+    /// # Errors
+    /// The store cannot be written.
+    pub fn finished_rows<R: Row>(&self, key: &str, rows: &[R]) -> Result<Finished, StoreError> {
         let mut table = self.table(key, TableOptions::default())?;
         table.push(rows)?;
-        self.add(table.finish()?);
-        Ok(())
+        table.finish()
     }
 
     /// Writes a whole table of a scene under the name of its rows' type.
@@ -324,6 +411,24 @@ impl Unit<'_> {
         Ok(())
     }
 
+    /// Keeps a shard that an earlier try of the same code made from the same inputs and settings, if there is
+    /// one: it counts among the unit's outputs and is not written. A forced try keeps none.
+    ///
+    /// # Errors
+    /// The store cannot be read.
+    pub fn keep(&mut self, key: &str, made_from: &str) -> Result<bool, StoreError> {
+        let found = self.attempt.earlier(key, made_from)?;
+        let is_kept = found.is_some();
+        self.kept.extend(found);
+        Ok(is_kept)
+    }
+
+    /// The shards that were kept.
+    #[must_use]
+    pub fn kept(&self) -> &[Output] {
+        &self.kept
+    }
+
     /// Counts a finished shard among the unit's outputs.
     pub fn add(&mut self, shard: Finished) {
         self.shards.push(shard);
@@ -334,20 +439,23 @@ impl Unit<'_> {
     /// # Errors
     /// The store cannot be written, or two shards of the try have the same key.
     pub fn finish(self) -> Result<(), StoreError> {
-        let Self { attempt, name, shards } = self;
+        let Self { attempt, name, shards, kept } = self;
         let mut so_far = attempt.so_far();
         let mut keys: BTreeSet<&str> = so_far.outputs.iter().map(|o| o.key.as_str()).collect();
-        if let Some(shard) = shards.iter().find(|shard| !keys.insert(&shard.output().key)) {
-            return Err(StoreError::Twice { path: attempt.store.location(&shard.output().key) });
+        let mut all = shards.iter().map(Finished::output).chain(&kept);
+        if let Some(output) = all.find(|output| !keys.insert(&output.key)) {
+            return Err(StoreError::Twice { path: attempt.store.location(&output.key) });
         }
         attempt.set_old_aside(&mut so_far)?;
-        let mut outputs = Vec::with_capacity(shards.len());
+        let record = attempt.identity.scope.part(&attempt.identity.stage, &name);
+        // One of another identity, whose shards are replaced now.
+        attempt.store.backend().remove(&record)?;
+        let mut outputs = kept;
         for shard in shards {
             outputs.push(shard.commit()?);
         }
-        let identity = &attempt.identity;
         let part = attempt.manifest_of(outputs);
-        attempt.store.write_json(&identity.scope.part(&identity.stage, &name), &identity.stage, &part)?;
+        attempt.store.write_json(&record, &attempt.identity.stage, &part)?;
         so_far.outputs.extend(part.outputs);
         Ok(())
     }

@@ -18,6 +18,21 @@ pub struct Output {
     pub rows: u64,
     /// BLAKE3 of its bytes.
     pub blake3: String,
+    /// Digest of the settings that it depends on, where its stage tells them apart by shards: it is kept when
+    /// the stage is done again from the same inputs and this has not changed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub made_from: Option<String>,
+    /// What its stage counts of it, by measure: told here, so that who keeps it need not read it.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub counts: BTreeMap<String, u64>,
+}
+
+impl Output {
+    /// What is in it and where it is, without remarks on how it was made.
+    #[must_use]
+    pub fn content(&self) -> (&str, u64, u64, &str) {
+        (&self.key, self.bytes, self.rows, &self.blake3)
+    }
 }
 
 /// A stage is done for a scope: written last, names everything.
@@ -77,6 +92,9 @@ pub struct Redo {
     pub generation: u32,
     /// Outputs of the old one; what the new one does not name is removed.
     pub replaces: Vec<String>,
+    /// The old manifest, where it says what its shards were made from: some may be kept.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub old: Option<Manifest>,
 }
 
 /// A stage failed for a scene.
@@ -106,6 +124,15 @@ impl Manifest {
     #[must_use]
     pub fn digest(&self) -> String {
         hash_bytes(&to_json(&Self { accepted_by: Vec::new(), made_by: None, ..self.clone() }))
+    }
+
+    /// The digest that those remember who read some of the outputs alone: of what is in these, and of how often
+    /// the stage was forced. Settings and inputs of the stage alter it by what is in them.
+    #[must_use]
+    pub fn digest_of(&self, is_read: impl Fn(&Output) -> bool) -> String {
+        let read: Vec<_> =
+            self.outputs.iter().filter(|output| is_read(output)).map(Output::content).collect();
+        hash_bytes(&to_json(&(self.generation, read)))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Writing shards: any bytes, or tables.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::marker::PhantomData;
 use std::sync::{Arc, Mutex};
@@ -82,7 +83,9 @@ impl FileWriter {
     pub fn finish(mut self, rows: u64) -> Result<Finished, StoreError> {
         self.sink.flush().map_err(|e| self.error("write", e))?;
         let blake3 = self.hasher.finalize().to_hex().to_string();
-        Ok(Finished { output: Output { key: self.key, bytes: self.bytes, rows, blake3 }, sink: self.sink })
+        let Self { key, bytes, sink, .. } = self;
+        let output = Output { key, bytes, rows, blake3, made_from: None, counts: BTreeMap::new() };
+        Ok(Finished { output, sink })
     }
 
     fn error(&self, action: &'static str, error: io::Error) -> StoreError {
@@ -124,6 +127,13 @@ impl Finished {
     #[must_use]
     pub fn output(&self) -> &Output {
         &self.output
+    }
+
+    /// Says what it depends on, by a digest, and what is counted of it: a later try may keep it.
+    #[must_use]
+    pub fn made_from(mut self, digest: &str, counts: BTreeMap<String, u64>) -> Self {
+        (self.output.made_from, self.output.counts) = (Some(digest.to_owned()), counts);
+        self
     }
 
     pub(crate) fn commit(self) -> Result<Output, StoreError> {

@@ -10,7 +10,7 @@ mod validity;
 
 pub use masks::MaskSettings;
 pub use plan::PlanSettings;
-pub use sensors::SensorSettings;
+pub use sensors::{SensorSettings, SensorTableSettings};
 pub use simulation::SimulationSettings;
 pub use statistics::StatisticsSettings;
 pub use validity::{RangeRig, RangeSensor, ValiditySettings};

@@ -1,5 +1,6 @@
 //! What `postprocess-valid` sees.
 
+use schema::tables::VISIBLE_TABLE;
 use serde::Serialize;
 
 use crate::{Mount, OccupancySettings, PerAgent};
@@ -26,6 +27,15 @@ pub struct RangeRig {
     pub radars: Vec<RangeSensor>,
     /// Whether there are instance images.
     pub instance: bool,
+}
+
+impl RangeRig {
+    /// Whether a table of the agent is read, by its name.
+    #[must_use]
+    pub fn reads(&self, table: &str) -> bool {
+        self.lidars.iter().chain(&self.radars).any(|sensor| sensor.name == table)
+            || self.instance && table == VISIBLE_TABLE
+    }
 }
 
 /// What boxes are judged and voxel grids are filled from.

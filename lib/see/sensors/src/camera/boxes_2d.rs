@@ -41,6 +41,7 @@ impl Sensor for Boxes2d {
     fn sense(&self, at: &Observation<'_>) -> Result<Vec<Box2dRow>, SensorError> {
         let mut rows = Vec::new();
         for (camera, sight) in self.cameras.iter().zip(&at.sights) {
+            let Some(sight) = sight else { continue };
             for shown in measure(at.scene, sight)? {
                 rows.push(Box2dRow { frame: at.frame, camera: camera.clone(), ..shown });
             }

@@ -53,7 +53,7 @@ impl<I: Image> Images<I> {
 
     /// What its camera saw, if it looked.
     pub(super) fn sight<'s>(&self, at: &'s Observation<'_>) -> Option<&'s Sight> {
-        at.sights.get(self.camera)
+        at.sights.get(self.camera)?.as_ref()
     }
 }
 

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 
 use frames::{Agent, LocalOrigin, Pose, World};
+use schema::ImageSet;
+use schema::tables::{BOXES_2D_TABLE, VISIBLE_TABLE};
 use settings::{CameraSettings, CameraSpec, Mount, Rig};
 
 use crate::error::SensorError;
@@ -17,23 +19,41 @@ pub struct Camera {
     pub(crate) settings: CameraSettings,
 }
 
-/// All cameras of a rig.
+/// The cameras of a rig.
 #[derive(Clone, Debug)]
 pub struct Cameras {
-    pub(crate) list: Vec<Camera>,
-    /// Whether any images are wanted.
-    pub(crate) wanted: bool,
+    /// In the rig's order; none where nothing is to be made of what the camera sees.
+    pub(crate) list: Vec<Option<Camera>>,
     pub(crate) every_n_frames: u32,
 }
 
 impl Cameras {
-    /// Makes the cameras of a rig ready.
+    /// Makes the cameras of a rig ready for all its tables.
     ///
     /// # Errors
     /// As [`Camera::new`].
     pub fn of(rig: &Rig) -> Result<Self, SensorError> {
-        let list = rig.cameras.iter().map(|spec| Camera::new(spec, &rig.camera)).collect::<Result<_, _>>()?;
-        Ok(Self { list, wanted: !rig.camera.images.is_empty(), every_n_frames: rig.camera.every_n_frames })
+        Self::for_tables(rig, |_| true)
+    }
+
+    /// Makes those ready that some of the rig's tables are made with, by the tables' names: the others do not
+    /// look, and of colour only what is wanted is painted.
+    ///
+    /// # Errors
+    /// As [`Camera::new`].
+    pub fn for_tables(rig: &Rig, is_made: impl Fn(&str) -> bool) -> Result<Self, SensorError> {
+        let has_images = !rig.camera.images.is_empty();
+        let all_look = has_images && (is_made(VISIBLE_TABLE) || is_made(BOXES_2D_TABLE));
+        let camera = |spec: &CameraSpec| {
+            let mut images = ImageSet::NONE;
+            for kind in rig.camera.images.iter() {
+                images.set(kind, is_made(&kind.table(&spec.name)));
+            }
+            let settings = CameraSettings { images, ..rig.camera.clone() };
+            (all_look || !images.is_empty()).then(|| Camera::new(spec, &settings)).transpose()
+        };
+        let list = rig.cameras.iter().map(camera).collect::<Result<_, _>>()?;
+        Ok(Self { list, every_n_frames: rig.camera.every_n_frames })
     }
 }
 

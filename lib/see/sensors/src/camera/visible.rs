@@ -34,7 +34,8 @@ impl Sensor for VisibleObjects {
     fn sense(&self, at: &Observation<'_>) -> Result<Vec<VisibleRow>, SensorError> {
         let snapshot = at.scene.snapshot();
         let mut visible = BTreeMap::new();
-        for (part, pixels) in at.sights.iter().flat_map(|sight| pixel_counts(snapshot, &sight.seen)) {
+        let sights = at.sights.iter().flatten();
+        for (part, pixels) in sights.flat_map(|sight| pixel_counts(snapshot, &sight.seen)) {
             *visible.entry(part).or_insert(0) += pixels;
         }
         let row = |((id, tag), pixels)| VisibleRow { frame: at.frame, id, tag: tag as u8, pixels };

@@ -36,8 +36,16 @@ impl SharedBeams {
     /// # Errors
     /// As [`Lidar::new`].
     pub fn of(rig: &Rig) -> Result<Self, SensorError> {
+        Self::for_tables(rig, |_| true)
+    }
+
+    /// The same among those whose tables are made, by the tables' names.
+    ///
+    /// # Errors
+    /// As [`Lidar::new`].
+    pub fn for_tables(rig: &Rig, is_made: impl Fn(&str) -> bool) -> Result<Self, SensorError> {
         let mut all: Vec<(&LidarSpec, Vec<u32>)> = Vec::new();
-        for spec in &rig.lidars {
+        for spec in rig.lidars.iter().filter(|spec| is_made(&spec.name)) {
             match all.iter_mut().find(|(first, _)| fire_alike(first, spec)) {
                 Some((_, every_n_frames)) => every_n_frames.push(spec.every_n_frames),
                 None => all.push((spec, vec![spec.every_n_frames])),

@@ -85,7 +85,8 @@ fn readings(scene: &dyn Scene) -> (Vec<(String, Vec<Column>)>, Vec<u8>) {
         SensorContext { seed: 3, scene: 1, agent: AgentId::vehicle(0), geo_origin: GeoOrigin::default() };
     let mut readings = Readings { at: &at, tables: Vec::new() };
     sensors::visit_sensors(&rig, &carrier, &mut readings).expect("no device");
-    let pictures = at.sights.iter().flat_map(|sight| sight.picture.as_ref().expect("in colour").rgb.clone());
+    let pictures =
+        at.sights.iter().flatten().flat_map(|sight| sight.picture.as_ref().expect("in colour").rgb.clone());
     (readings.tables, pictures.collect())
 }
 

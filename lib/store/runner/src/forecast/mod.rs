@@ -123,13 +123,7 @@ impl Forecast {
         self.work(TRACKS, annotated, core_seconds::TRACKED);
         let rigs = settings.scenario.rigs();
         let rig = rigs.of(agent);
-        self.work(SENSORS, frames_looked_at(rig, frames), core_seconds::WORLD);
-        self.cameras(rig, due(frames, rig.camera.every_n_frames));
-        for cost in rates::reading_costs(rig) {
-            let readings = due(frames, cost.every_n_frames);
-            self.output(SENSORS, cost.output, readings, cost.bytes);
-            self.work(SENSORS, readings, cost.core_s);
-        }
+        self.sensors(rig, frames);
         if settings.bev.enabled {
             let cells = f64::from(settings.bev.cells) * f64::from(settings.bev.cells);
             let masks = due(frames, settings.bev.every_n_frames);
@@ -173,6 +167,16 @@ impl Forecast {
             if !occupancy.sparse {
                 self.work(VALIDITY, frames, voxels * core_seconds::FILLED_VOXEL);
             }
+        }
+    }
+
+    fn sensors(&mut self, rig: &Rig, frames: u64) {
+        self.work(SENSORS, frames_looked_at(rig, frames), core_seconds::WORLD);
+        self.cameras(rig, due(frames, rig.camera.every_n_frames));
+        for cost in rates::reading_costs(rig) {
+            let readings = due(frames, cost.every_n_frames);
+            self.output(SENSORS, cost.output, readings, cost.bytes);
+            self.work(SENSORS, readings, cost.core_s);
         }
     }
 
@@ -241,6 +245,14 @@ pub fn work_by_stage(
     let mut forecast = Forecast::default();
     forecast.add(settings, agent, frames.into());
     forecast.stages
+}
+
+/// The work of rendering an agent's frames with some sensors.
+#[must_use]
+pub fn work_of_sensors(rig: &Rig, frames: u32) -> Work {
+    let mut forecast = Forecast::default();
+    forecast.sensors(rig, frames.into());
+    forecast.stages.remove(SENSORS).unwrap_or_default()
 }
 
 /// At how many of some frames a sensor of a rig looks at the world.

@@ -19,6 +19,9 @@ on_every_backend!(
     a_try_killed_after_its_manifest_is_tidied,
     leftovers_of_the_plan_are_found_all_over_the_store,
     a_finished_unit_of_another_config_is_not_kept,
+    what_depends_on_what_it_did_is_kept,
+    a_stopped_try_keeps_what_is_still_as_it_was,
+    what_a_stopped_try_of_other_settings_wrote_is_removed,
     forcing_changes_the_digest_once_even_when_killed_between,
     what_a_new_try_no_longer_writes_is_removed,
     broken_shards_are_named,
@@ -225,6 +228,114 @@ fn a_finished_unit_of_another_config_is_not_kept(bench: &Bench) {
     run_half(&bench.store, "old", false);
     let attempt = Attempt::start(&bench.store, identity("new"), false).expect("starts");
     assert!(attempt.unit("vehicle_0").expect("asks").is_some());
+}
+
+/// A table of a sensor, made from some settings.
+fn table(name: &str) -> String {
+    keys::scene(7, &format!("sensors/vehicle_0/{name}.parquet"))
+}
+
+/// Makes or keeps tables, each named with what it is made from, without finishing the unit; tells which were
+/// kept.
+fn unit_of<'a>(attempt: &'a Attempt, tables: &[(&str, &str)]) -> (store::Unit<'a>, Vec<String>) {
+    let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is to do");
+    for &(name, made_from) in tables {
+        if !unit.keep(&table(name), made_from).expect("asks") {
+            let rows = gnss(made_from.len() as u32);
+            let shard = unit.finished_rows(&table(name), &rows).expect("writes");
+            unit.add(shard.made_from(made_from, std::collections::BTreeMap::new()));
+        }
+    }
+    let kept = unit.kept().iter().map(|output| output.key.clone()).collect();
+    (unit, kept)
+}
+
+fn sensors(bench: &Bench, config: &str, force: bool, tables: &[(&str, &str)]) -> Vec<String> {
+    let attempt = Attempt::start(&bench.store, identity(config), force).expect("starts");
+    let (unit, kept) = unit_of(&attempt, tables);
+    unit.finish().expect("finishes");
+    attempt.commit().expect("commits");
+    kept
+}
+
+const BEFORE: [(&str, &str); 3] = [("LIDAR", "1"), ("ROOF", "1"), ("RADAR", "1")];
+const AFTER: [(&str, &str); 3] = [("LIDAR", "1"), ("ROOF", "16"), ("FLOW", "1")];
+
+fn what_depends_on_what_it_did_is_kept(bench: &Bench) {
+    let fresh = bench.another();
+    assert_eq!(sensors(&fresh, "d", false, &AFTER), [""; 0]);
+    assert_eq!(sensors(bench, "c", false, &BEFORE), [""; 0]);
+    assert_eq!(sensors(bench, "d", false, &AFTER), [table("LIDAR")]);
+    assert_eq!(bench.tree(), fresh.tree(), "as from nothing");
+    // Other code or inputs, or a wish: all of it.
+    let other = |change: fn(&mut Identity)| {
+        let mut identity = identity("c");
+        change(&mut identity);
+        let attempt = Attempt::start(&bench.store, identity, false).expect("starts");
+        let (_, kept) = unit_of(&attempt, &AFTER);
+        kept.len()
+    };
+    assert_eq!(other(|_| {}), 3);
+    assert_eq!(other(|identity| identity.code_version = "2".into()), 0);
+    assert_eq!(other(|identity| drop(identity.inputs.insert("simulate-and-log".into(), "new".into()))), 0);
+    let forced = Attempt::start(&bench.store, identity("c"), true).expect("starts");
+    assert!(unit_of(&forced, &AFTER).1.is_empty());
+    // A shard that is cut short is none.
+    let whole = bench.bytes(&table("LIDAR"));
+    bench.put(&table("LIDAR"), &whole[1..]);
+    assert_eq!(other(|_| {}), 2);
+}
+
+fn a_stopped_try_keeps_what_is_still_as_it_was(bench: &Bench) {
+    let fresh = bench.another();
+    sensors(&fresh, "d", false, &AFTER);
+    sensors(bench, "c", false, &BEFORE);
+    let old = bench.tree();
+    // Stopped when the unit was whole: it is taken up.
+    let attempt = Attempt::start(&bench.store, identity("d"), false).expect("starts");
+    let (unit, _) = unit_of(&attempt, &AFTER);
+    unit.finish().expect("finishes");
+    drop(attempt);
+    let again = Attempt::start(&bench.store, identity("d"), false).expect("starts");
+    assert!(again.unit("vehicle_0").expect("asks").is_none());
+    drop(again);
+    // The old settings are wanted back: of the shards that were replaced none is taken for the old one, were
+    // it of its size. Those of the stopped try that fit are as good.
+    let cut = old[&table("ROOF")].iter().map(|byte| !byte).collect::<Vec<u8>>();
+    bench.put(&table("ROOF"), &cut);
+    let back = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let (unit, kept) = unit_of(&back, &BEFORE);
+    assert_eq!(kept, [table("LIDAR"), table("RADAR")]);
+    drop(unit);
+    drop(back);
+    assert_eq!(sensors(bench, "e", false, &[("FLOW", "1"), ("LIDAR", "2")]), [table("FLOW")]);
+    sensors(bench, "d", false, &AFTER);
+    assert_eq!(bench.tree(), fresh.tree());
+}
+
+fn what_a_stopped_try_of_other_settings_wrote_is_removed(bench: &Bench) {
+    let fresh = bench.another();
+    sensors(&fresh, "c", false, &BEFORE);
+    for is_first in [true, false] {
+        let attempt = Attempt::start(&bench.store, identity("d"), false).expect("starts");
+        let (unit, _) = unit_of(&attempt, &AFTER);
+        unit.finish().expect("finishes");
+        drop(attempt);
+        // It is stopped again under the settings of before, when the unit's record is theirs.
+        if is_first {
+            let attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+            let (unit, _) = unit_of(&attempt, &BEFORE);
+            unit.finish().expect("finishes");
+            drop(attempt);
+        }
+        let attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+        if let Some(unit) = attempt.unit("vehicle_0").expect("asks") {
+            drop(unit);
+            unit_of(&attempt, &BEFORE).0.finish().expect("finishes");
+        }
+        attempt.commit().expect("commits");
+        assert_eq!(bench.tree(), fresh.tree());
+    }
 }
 
 fn forcing_changes_the_digest_once_even_when_killed_between(bench: &Bench) {

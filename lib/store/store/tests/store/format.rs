@@ -99,7 +99,7 @@ fn write_the_fixture() {
     attempt.section("scene/0007", "digest of scene 7".into());
     attempt.commit().expect("commits");
 
-    let redo = Redo { generation: 3, replaces: vec!["scenes/0008/old.parquet".into()] };
+    let redo = Redo { generation: 3, replaces: vec!["scenes/0008/old.parquet".into()], old: None };
     store.write_json(&STOPPED.redo(STAGE), STAGE, &redo).expect("writes");
     let stopped = store::Identity { scope: STOPPED, ..identity("c") };
     let attempt = Attempt::start(&store, stopped, false).expect("starts");
