@@ -108,8 +108,9 @@ fn is_given_rsu(actor: &ActorRow) -> bool {
     actor.kind == ActorKind::Rsu && actor.opendrive_id.is_none()
 }
 
-/// Puts walkers, warning signs and RSUs on the ground that is drawn under them. What follows from their heights
-/// follows again: velocities are differences of the final positions, and actor rows have the pose at frame 0.
+/// Puts walkers, warning signs and RSUs on the ground that is drawn under them. What follows from their
+/// heights follows again: velocities are differences of the final positions, and actor rows have the pose at
+/// frame 0.
 ///
 /// `states` are sorted by frame.
 ///

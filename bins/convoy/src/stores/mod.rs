@@ -111,8 +111,8 @@ pub(crate) enum StoreCommand {
         #[arg(required = true, value_name = "STORE")]
         from: Vec<PathBuf>,
     },
-    /// Removes tiles of the static world that no scene's log names: those of older code or other settings, and
-    /// locks of the dead. Not while anything else works on the store.
+    /// Removes tiles of the static world that no scene's log names: those of older code or other settings,
+    /// and locks of the dead. Not while anything else works on the store.
     Tidy {
         /// The store: a folder, by its path or as file:///FOLDER.
         #[arg(long, value_name = "DIR")]

@@ -2,11 +2,9 @@
 //! made again after every run.
 
 use std::collections::BTreeSet;
-use std::fs::{self, OpenOptions};
-use std::io;
-use std::path::Path;
+use std::fs::OpenOptions;
 
-use crate::disk::{inside, put, read_error, remove, unfinished, write_error};
+use crate::disk::{inside, lines, put, remove, unfinished, write_error};
 use crate::unit::ProgressWatch;
 use crate::{Destination, ExportError, UnitFiles};
 
@@ -68,18 +66,10 @@ impl Destination {
     }
 }
 
-/// The whole lines of a record: one that was cut off names a file that was not made yet.
-pub(crate) fn lines(path: &Path) -> Result<Vec<String>, ExportError> {
-    let bytes = match fs::read(path) {
-        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        other => other.map_err(|source| read_error(path, "read", source))?,
-    };
-    let whole = bytes.split_inclusive(|&byte| byte == b'\n').filter_map(|line| line.strip_suffix(b"\n"));
-    Ok(whole.filter_map(|line| String::from_utf8(line.to_vec()).ok()).collect())
-}
-
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use crate::unit::Nobody;
 

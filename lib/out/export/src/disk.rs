@@ -54,3 +54,13 @@ pub(crate) fn remove(path: &Path) -> Result<(), ExportError> {
         _ => Ok(()),
     }
 }
+
+/// The whole lines of a record: one that was cut off names a file that was not made yet.
+pub(crate) fn lines(path: &Path) -> Result<Vec<String>, ExportError> {
+    let bytes = match fs::read(path) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other.map_err(|source| read_error(path, "read", source))?,
+    };
+    let whole = bytes.split_inclusive(|&byte| byte == b'\n').filter_map(|line| line.strip_suffix(b"\n"));
+    Ok(whole.filter_map(|line| String::from_utf8(line.to_vec()).ok()).collect())
+}

@@ -15,8 +15,7 @@ use store::hash_bytes;
 
 use crate::ExportError;
 use crate::asked::{Asked, changes};
-use crate::common_files::lines;
-use crate::disk::{UNFINISHED, inside, put, read_error, remove, unfinished, write_error};
+use crate::disk::{UNFINISHED, inside, lines, put, read_error, remove, unfinished, write_error};
 use crate::files::UnitFiles;
 use crate::lock::FolderLock;
 use crate::unit::{ProgressWatch, UnitName};

@@ -106,8 +106,8 @@ impl Bends {
         found
     }
 
-    /// Gives bends to those who are in them when a scene begins, before anybody else asks: the farther in, the
-    /// sooner. Those who would touch them there stand and wait, or roll so that they can stop.
+    /// Gives bends to those who are in them when a scene begins, before anybody else asks: the farther in,
+    /// the sooner. Those who would touch them there stand and wait, or roll so that they can stop.
     pub(crate) fn start(&mut self, net: &Net, vehicles: &mut [Vehicle]) {
         let asking = vehicles.iter().enumerate().map(|(me, vehicle)| (me, self.ahead(net, vehicle, me)));
         let mut asking: Vec<(usize, Vec<Ahead>)> = asking.filter(|(_, ahead)| !ahead.is_empty()).collect();

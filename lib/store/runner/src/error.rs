@@ -7,8 +7,8 @@ use schema::AgentId;
 use store::StoreError;
 
 use crate::editions::EditionError;
+use crate::seen::ViewError;
 use crate::status::{NotReady, StateError};
-use crate::views::ViewError;
 use crate::{EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE};
 
 /// Why the work of a scope ended early.

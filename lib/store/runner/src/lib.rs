@@ -20,6 +20,7 @@ mod programs;
 mod progress;
 mod question;
 mod runner;
+mod seen;
 mod shards;
 mod status;
 mod suspicions;
@@ -40,10 +41,10 @@ pub use output_file::OutputFile;
 pub use programs::{Programs, STAMP_LEN};
 pub use progress::Progress;
 pub use runner::{Forecast, Job, Sections, Stage, Suspicions, init_logging, run_stage, say};
-pub use shards::{IsRead, MadeFrom};
+pub use seen::{IsRead, MadeFrom, StageSettings, ViewError};
 pub use status::{NotReady, Staleness, State, StateError, Status, planned_scenes};
 pub use suspicions::{Suspicious, settings_or_faults};
-pub use views::{StageSettings, ViewError, config_hash};
+pub use views::config_hash;
 pub use why::why;
 
 /// Exit code: everything was done.
@@ -52,6 +53,6 @@ pub const EXIT_DONE: u8 = 0;
 pub const EXIT_SOME_FAILED: u8 = 1;
 /// Exit code: bad arguments or configuration.
 pub const EXIT_USAGE: u8 = 2;
-/// Exit code: stopped by a signal, or because the store cannot be written (a full disk) or is held by others; worth
-/// another try.
+/// Exit code: stopped by a signal, or because the store cannot be written (a full disk) or is held by others;
+/// worth another try.
 pub const EXIT_TRY_AGAIN: u8 = 75;

@@ -10,8 +10,8 @@ use crate::interrupt;
 /// How soon a signal ends the wait.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// Asks whether finished work is to be made again, which some lines tell of. Where nobody is at a terminal the
-/// answer is no.
+/// Asks whether finished work is to be made again, which some lines tell of. Where nobody is at a terminal
+/// the answer is no.
 ///
 /// # Errors
 /// A signal came instead of an answer.

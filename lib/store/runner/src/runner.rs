@@ -20,11 +20,12 @@ use crate::options::{ProgressMode, StageOptions};
 use crate::programs::{Programs, STAMP_LEN};
 use crate::progress::Progress;
 use crate::question::confirmed;
+use crate::seen::{StageSettings, ViewError};
 use crate::status::{
     CodeRule, SOURCE, Staleness, State, Status, manifest_or_stale, plan_section, planned_scenes,
 };
 use crate::suspicions::{Suspicious, settings_or_faults};
-use crate::views::{StageSettings, ViewError, config_hash};
+use crate::views::config_hash;
 use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, interrupt, lock};
 
 /// A stage: its work for one scope. Its name in `pipeline.toml` is that of the settings that it sees.

@@ -9,13 +9,7 @@ use settings::stages::{RangeRig, SensorSettings, ValiditySettings};
 use settings::{DatasetSettings, PerAgent};
 use store::{Manifest, Output, Scope, keys};
 
-use crate::views::{StageSettings, ViewError};
-
-/// Whether a shard is read, by its path in the scene's folder.
-pub type IsRead<'a> = Box<dyn Fn(&str) -> bool + 'a>;
-
-/// Digests of what the shards of a scene depend on, by key.
-pub type MadeFrom = BTreeMap<String, String>;
+use crate::seen::{IsRead, MadeFrom, StageSettings, ViewError};
 
 /// What a stage depends on of an input.
 #[derive(Debug)]

@@ -9,7 +9,8 @@ use crate::editions::Editions;
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::is_imported;
 use crate::programs::Programs;
-use crate::views::{ViewError, config_hash, shards_of};
+use crate::seen::ViewError;
+use crate::views::{config_hash, shards_of};
 
 /// State of a stage for a scope.
 #[derive(Clone, Debug, PartialEq, Eq)]

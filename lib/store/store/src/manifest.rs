@@ -126,8 +126,8 @@ impl Manifest {
         hash_bytes(&to_json(&Self { accepted_by: Vec::new(), made_by: None, ..self.clone() }))
     }
 
-    /// The digest that those remember who read some of the outputs alone: of what is in these, and of how often
-    /// the stage was forced. Settings and inputs of the stage alter it by what is in them.
+    /// The digest that those remember who read some of the outputs alone: of what is in these, and of how
+    /// often the stage was forced. Settings and inputs of the stage alter it by what is in them.
     #[must_use]
     pub fn digest_of(&self, is_read: impl Fn(&Output) -> bool) -> String {
         let read: Vec<_> =

@@ -57,7 +57,8 @@ pub struct Opv2v {
     options: Options,
     /// What was chosen of scenes.
     crews: Mutex<BTreeMap<u32, Arc<AgentRoster>>>,
-    /// What stands in for pictures in scenes that have none at all, if others have; known after the preflight.
+    /// What stands in for pictures in scenes that have none at all, if others have; known after the
+    /// preflight.
     of_others: OnceLock<Option<StandIns>>,
 }
 

@@ -2,8 +2,8 @@
 //! on real maps, judged by their logs alone. `make traffic-report`.
 //!
 //! Arguments: names of maps (`convoy/03`, `Town03`) to look at only these; `--seeds N` for scenes per map, or
-//! `--seeds 5-9` for those; `--seconds N` for scenes as long as that; `--faults` to list single faults; `--dump FOLDER` to write every track as CSV,
-//! for drawing.
+//! `--seeds 5-9` for those; `--seconds N` for scenes as long as that; `--faults` to list single faults;
+//! `--dump FOLDER` to write every track as CSV, for drawing.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "it is a report")]
 
 #[path = "../../tests/traffic/common/mod.rs"]

@@ -1,5 +1,5 @@
-//! How people can move: how hard they push off and brake, how fast they turn and climb, by what they have with
-//! them. Everything that moves a walker keeps to these bounds, but for what hits it.
+//! How people can move: how hard they push off and brake, how fast they turn and climb, by what they have
+//! with them. Everything that moves a walker keeps to these bounds, but for what hits it.
 
 use catalogue::{Model, Special};
 use nalgebra::Vector2;

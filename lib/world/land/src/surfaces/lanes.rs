@@ -227,8 +227,8 @@ fn made_of(ground: Ground, begins: [f64; 2]) -> Option<(Layer, MeshPart)> {
     }
 }
 
-/// Whether a piece of a sidewalk that was kept is as wide as a sidewalk, with those beside it (kerbs are lanes
-/// of their own in some maps), and as long, with the pieces before and behind it that were kept.
+/// Whether a piece of a sidewalk that was kept is as wide as a sidewalk, with those beside it (kerbs are
+/// lanes of their own in some maps), and as long, with the pieces before and behind it that were kept.
 fn is_walkable(section: &Section, k: usize, i: usize, kept: &[Option<Share>]) -> bool {
     let is_walk = |strip: &&Strip| strip.ground == Ground::Walk;
     let (before, rest) = section.strips.split_at(k);
