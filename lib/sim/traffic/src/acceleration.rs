@@ -159,8 +159,10 @@ pub(crate) fn wished_acceleration(
     let seen = idm.free(speed, wished);
     let careless = if of_line == Sight::Blinks { idm.free(speed, lane_mps.max(0.1)) } else { seen };
     let mut wish = DesiredAcceleration { seen, careless };
-    // The model alone would still be too fast when the bend begins.
-    wish.limit(Sight::Sees, ((bend_mps - speed) / FRAME_PERIOD_S).max(-BEND_BRAKING));
+    // The model alone would still be too fast when the bend or the lower limit begins.
+    for (most_mps, braking) in [(bend_mps, BEND_BRAKING), (limit_mps, COMFORT_BRAKING)] {
+        wish.limit(Sight::Sees, ((most_mps - speed) / FRAME_PERIOD_S).max(-braking));
+    }
     let behind = Follower { net, occupancy, vehicles, me, idm, speed, wished };
     behind.vehicles(of_vehicles, &mut wish);
     behind.walkers(of_walkers, &mut wish);

@@ -241,8 +241,12 @@ impl Walker {
 
     /// How fast it wishes to walk now, m/s.
     fn pace_mps(&self) -> f64 {
-        let most = if self.gait == Gait::Wheels { WHEELCHAIR_MPS } else { RUN_MPS };
-        (self.pace * self.speed_mps).min(most)
+        (self.pace * self.speed_mps).min(self.most_mps())
+    }
+
+    /// How fast it can go at all, m/s.
+    fn most_mps(&self) -> f64 {
+        if self.gait == Gait::Wheels { WHEELCHAIR_MPS } else { RUN_MPS }
     }
 
     pub(crate) fn model(&self) -> &'static Model {
@@ -472,7 +476,7 @@ impl Walker {
             () if self.halts => DesiredVelocity { aside_m: 0.0, room_m: [0.0; 2], ..turned },
             () => turned,
         };
-        let choice = crowd.choice(me, &wish, around.fixtures);
+        let choice = crowd.choice(me, &wish, around.fixtures).cap_magnitude(self.most_mps());
         let blocked = |v: &Vector2<f64>| minded && sweeps.blocks(&before, stopping_way(v), radius_m);
         let way_m = match self.gait {
             Gait::Feet => {

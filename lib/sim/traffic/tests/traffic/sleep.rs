@@ -71,8 +71,9 @@ fn who_is_far_stands_still_until_an_agent_comes() {
             // A look a second, and a second to set off.
             found[2] += i32::from((woke..(woke + 41).min(801)).any(moves));
         } else if let Some(gone) = away.iter().position(|d| *d > AWAKE_M).filter(|i| *i < 560) {
-            // Vehicles brake in comfort: 20 m/s takes 8 s, after a look each second.
-            let asleep = gone + if actor.kind == ActorKind::Walker { 21 } else { 220 };
+            // Vehicles brake in comfort: 20 m/s takes 8 s, after a look each second; walkers come to rest
+            // within 1.3 s, and look a second time.
+            let asleep = gone + if actor.kind == ActorKind::Walker { 70 } else { 220 };
             if away[gone..].iter().all(|d| *d > AWAKE_M) {
                 assert!(still(asleep..801), "{actor:?}");
                 found[3] += 1;

@@ -59,10 +59,10 @@ fn walkers_never_overlap_and_all_get_on() {
             steps += track.len();
             at_the_edge += margins_m.filter(|margin_m| *margin_m < 0.25).count();
             assert!(track.iter().all(|s| (0.0..=length_m).contains(&s.xyz_m[0])), "seed {seed}");
-            // Everybody gets on, in each quarter of a minute.
+            // Everybody gets on, in each quarter of a minute, though nobody stops or turns round at once.
             for part in track.chunks(300).filter(|c| c.len() == 300) {
                 let way: f64 = part.windows(2).map(|p| (p[1].xyz_m[0] - p[0].xyz_m[0]).abs()).sum();
-                assert!(way > 3.0, "seed {seed}: {} walks {way} m in 15 s", actor.id);
+                assert!(way > 2.0, "seed {seed}: {} walks {way} m in 15 s", actor.id);
             }
             // Nobody leaps: aside at most 0.8 m/s, but for what is turned at the ends, and where a crowd
             // pushes.
