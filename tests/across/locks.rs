@@ -134,7 +134,7 @@ fn another_configuration_waits_and_the_same_one_shares() {
     let next = outcome(&mut by(&bench, &other, "spawn-planner", &[]));
     next.expect_done();
     let said: Vec<&str> = next.stderr.lines().filter(|line| line.contains("takes over")).collect();
-    insta::assert_snapshot!("taken-over", masked(&bench, lock, &said.join("\n")));
+    insta::assert_snapshot!("taken-over", masked(&bench, lock, said.join("\n").trim()));
     let again = outcome(&mut by(&bench, &other, "spawn-planner", &[]));
     assert!(again.code == 0 && !again.stderr.contains("takes over"), "{again:?}");
     assert!(!bench.store().join("_locks").exists());
@@ -156,6 +156,13 @@ fn a_whole_run_holds_the_store_until_all_of_it_is_gone() {
     assert!(refused.stderr.contains(&format!("process {stage}, since ")), "{refused:?}");
     signal(stage, "-KILL");
     // Its parent is gone: it is reaped by others, whenever they do.
+    let is_there = || {
+        let stat = std::fs::read_to_string(format!("/proc/{stage}/stat")).unwrap_or_default();
+        stat.rsplit(") ").next().is_some_and(|rest| !rest.is_empty() && !rest.starts_with(['Z', 'X']))
+    };
+    while is_there() {
+        std::thread::sleep(Duration::from_millis(2));
+    }
     let next = outcome(&mut by(&bench, &other, "spawn-planner", &[]));
     next.expect_done();
     assert_eq!(next.stderr.matches("takes over the store from ").count(), 1, "{next:?}");

@@ -421,8 +421,7 @@ impl<'a> Section<'a> {
 
     /// Whether the configuration itself has a key, files that it names aside.
     pub(crate) fn has(&self, key: &str) -> bool {
-        let mut own = self.layers.iter().filter(|layer| layer.document == 0 && !layer.is_inherited);
-        own.any(|layer| layer.table.contains_key(key))
+        self.layers.iter().any(|layer| layer.document == 0 && layer.table.contains_key(key))
     }
 
     /// Whether the configuration comes from a language in which all keys are written down, used or not.

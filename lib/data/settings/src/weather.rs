@@ -42,7 +42,6 @@ settings! {
         /// they stay; keys that no keyframe has are drawn as without keyframes.
         values: Vec<(String, WeatherValue)> = Vec::new(), by(values_here);
     }
-    rule of_a_moment;
 }
 
 settings! {
@@ -90,14 +89,12 @@ fn values_here(s: &Section<'_>, _: &Name, _: Vec<(String, WeatherValue)>) -> Vec
     Weather::NAMES.iter().filter_map(read).collect()
 }
 
-fn of_a_moment(s: &Section<'_>, _: &WeatherKeyframe) {
-    if !s.has("at_s") {
-        s.fault_at("at_s", format!("`{}` is missing: when is it, in seconds?", s.path_of("at_s")));
-    }
-}
-
 fn in_order(s: &Section<'_>, read: &WeatherSettings) {
     let sections = s.sections("keyframes", "none", "").unwrap_or_default();
+    for section in sections.iter().filter(|section| !section.has("at_s")) {
+        section
+            .fault_at("at_s", format!("`{}` is missing: when is it, in seconds?", section.path_of("at_s")));
+    }
     for (section, pair) in sections.iter().skip(1).zip(read.keyframes.windows(2)) {
         let [before, after] = [pair[0].at_s, pair[1].at_s];
         if after <= before {

@@ -89,8 +89,9 @@ impl Chain<'_> {
     fn made(&mut self, spec: &'static StageSpec, scope: Scope, made: &Manifest) -> Result<(), StateError> {
         let bytes = made.outputs.iter().map(|output| output.bytes).sum();
         let (version, generation, files) = (&made.code_version, made.generation, made.outputs.len());
-        let again = if generation == 0 { String::new() } else { format!(", {generation} times by --force") };
-        self.add(&format!("made by version {version}{again}: {files} files, {}", DecimalBytes(bytes)));
+        let again = if generation == 0 { String::new() } else { format!(", generation {generation}") };
+        let count = if files == 1 { "1 file".to_owned() } else { format!("{files} files") };
+        self.add(&format!("made by version {version}{again}: {count}, {}", DecimalBytes(bytes)));
         if made.config_hash != config_hash(spec, self.editions, scope)? {
             self.keys(spec.name, scope);
         }
@@ -124,13 +125,13 @@ impl Chain<'_> {
     /// The keys that the stage sees and that have other values than it was made with.
     fn keys(&mut self, stage: &str, scope: Scope) {
         let Some(changes) = self.editions.changes_of(scope) else {
-            self.add("changed: unknown keys, as dataset.json does not say what they were");
+            self.add("which keys changed is not known: dataset.json does not say what they were");
             return;
         };
         let seen: Vec<String> =
             changes.iter().filter(|change| sees(stage, &change.key)).map(ToString::to_string).collect();
         if seen.is_empty() {
-            self.add("changed: unknown keys, as dataset.json has those of a later run");
+            self.add("which keys changed is not known: dataset.json is of a later run");
         }
         seen.iter().for_each(|change| self.add(&format!("changed: {change}")));
     }

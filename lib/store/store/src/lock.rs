@@ -11,7 +11,7 @@
 //! A holder puts its object again every few seconds, with another count. One of this machine is dead when its
 //! process is gone; another one when its object has stayed the same for a while by the clock of who watches.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -213,10 +213,12 @@ impl Own {
         Ok(Self { store: store.clone(), key, work: work.clone(), entry, pace, told: Instant::now() })
     }
 
-    /// Objects of other work.
-    fn others(&self) -> Result<Vec<String>, StoreError> {
+    /// Objects of other work. They are listed twice: some file systems miss a file that is replaced while its
+    /// folder is read.
+    fn others(&self) -> Result<BTreeSet<String>, StoreError> {
         let own = name_of(&self.work.key);
-        let mut found = self.store.backend().list(keys::LOCKS)?;
+        let list = || self.store.backend().list(keys::LOCKS);
+        let mut found: BTreeSet<String> = list()?.into_iter().chain(list()?).collect();
         found.retain(|key| Named::parse(key).is_some_and(|named| named.work != own));
         Ok(found)
     }

@@ -44,6 +44,9 @@ fn faults(root: &Value, schema: &Value, value: &Value, path: &str, found: &mut V
     if !is_of_type || is_low || is_high || is_no_word || is_short || is_long {
         found.push(path.to_owned());
     }
+    if !is_of_type {
+        return;
+    }
     for (number, item) in value.as_array().into_iter().flatten().enumerate() {
         faults(root, &schema["items"], item, &format!("{path}[{number}]"), found);
     }
