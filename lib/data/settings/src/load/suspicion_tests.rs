@@ -41,19 +41,19 @@ fn rigs_of_agents_that_no_scene_has_are_said() {
         "[[rigs]]\nagents = [\"vehicle_2\", \"vehicle_3\"]\n[[rigs]]\nagents = [\"rsu_0\", \"rsu_1\"]\n";
     let agents = |keys: &str| said(&format!("[agents]\n{keys}\n{rigs}"));
     insta::assert_snapshot!(agents("max_vehicles = 3\nmax_rsus = 1"), @r"
-    odd.toml:8: `rigs[0].agents`: no scene has `vehicle_3`: `agents.max_vehicles` allows 3, numbers 0 to 2
-    odd.toml:10: `rigs[1].agents`: no scene has `rsu_1`: `agents.max_rsus` allows one, number 0
+    odd.toml:7: `rigs[0].agents`: no scene has `vehicle_3`: `agents.max_vehicles` allows 3, numbers 0 to 2
+    odd.toml:9: `rigs[1].agents`: no scene has `rsu_1`: `agents.max_rsus` allows one, number 0
     ");
     insta::assert_snapshot!(agents("max_rsus = 0"), @r"
     odd.toml:8: `rigs[1].agents`: no scene has `rsu_0`: `agents.max_rsus` allows none
     odd.toml:8: `rigs[1].agents`: no scene has `rsu_1`: `agents.max_rsus` allows none
     ");
     insta::assert_snapshot!(agents("penetration = 0.03\n[traffic]\nvehicles = 100"), @r"
-    odd.toml:9: `rigs[0].agents`: no scene has `vehicle_3`: `agents.penetration` allows 3, numbers 0 to 2
+    odd.toml:8: `rigs[0].agents`: no scene has `vehicle_3`: `agents.penetration` allows 3, numbers 0 to 2
     ");
     let start = "\n[[agents.starts]]\nmap = \"convoy/demo\"\n";
     insta::assert_snapshot!(agents(&start.repeat(3)), @r"
-    odd.toml:13: `rigs[0].agents`: no scene has `vehicle_3`: `agents.starts` allows 3, numbers 0 to 2
+    odd.toml:15: `rigs[0].agents`: no scene has `vehicle_3`: `agents.starts` allows 3, numbers 0 to 2
     ");
     let elsewhere = agents(&start.replace("convoy/demo", "maps/Town01.xodr"));
     insta::assert_snapshot!(elsewhere, @"odd.toml:6: `agents.starts[0].map`: there are no scenes on `maps/Town01.xodr`");
