@@ -141,6 +141,6 @@ fn somebody_elses_store_is_left_alone() {
     let source = Source::open(folder.path()).expect("opens");
     let selection = Selection { scenes: Some(vec![(0, 7)]), ..Selection::default() };
     let refused = prospect(&source, &store, &selection).expect_err("refused").to_string();
-    assert!(refused.contains("scenes {7} are not in its infos"), "{refused}");
+    assert!(refused.contains("its infos have no scene 7"), "{refused}");
     assert!(content(&store) == before);
 }
