@@ -47,8 +47,7 @@ const WAYS: u32 = 47;
 /// Raised strips are narrowed in steps of so many parts of their width, to half of it at most, where vehicles
 /// of another road drive over an edge of them.
 const PARTS: usize = 8;
-/// A strip narrower than this is none, and a sidewalk narrower or shorter than this is nothing to walk on,
-/// metres: masks of 0.4 m see all that is wider.
+/// A strip narrower than this is none, metres.
 const LEAST_M: f64 = 0.5;
 
 /// Lane surfaces for point queries. Those of no use to vehicles are left out where vehicles of another road
@@ -147,7 +146,16 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
         let over_m = if section.junction { f64::from(section.road % WAYS) * OVER_M } else { 0.0 };
         let begins = section.strips.first().map_or([0.0; 2], |strip| [strip.right[0].x, strip.right[0].y]);
         for (k, strip) in section.strips.iter().enumerate() {
-            let Some((layer, top)) = made_of(strip.ground, begins) else { continue };
+            let (layer, top) = match strip.ground {
+                Ground::Paved => (Layer::Road, ASPHALT),
+                Ground::Waste => (Layer::Median, WASTE),
+                Ground::Track => (Layer::Track, BALLAST),
+                Ground::Walk => (Layer::Sidewalk, pavement(begins)),
+                Ground::Median => (Layer::Median, MEDIAN),
+                Ground::Land => continue,
+            };
+            // A face is what its strip is: an object has no tags beside its own.
+            let face = MeshPart { tag: layer.tag(), ..KERB };
             let along_m =
                 if layer == Layer::Sidewalk { along(section, strip) } else { vec![0.0; here.len() + 1] };
             let right = k.checked_sub(1).and_then(|k| section.strips.get(k));
@@ -157,13 +165,6 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
                 .collect();
             for i in (0..kept.len()).filter(|i| here[*i]) {
                 let Some(part) = kept[i] else { continue };
-                // What nobody can walk on is a kerb.
-                let (layer, top) = match layer {
-                    Layer::Sidewalk if !is_walkable(section, k, i, &kept) => (Layer::Median, MEDIAN),
-                    _ => (layer, top),
-                };
-                // A face is what its strip is: an object has no tags beside its own.
-                let face = MeshPart { tag: layer.tag(), ..KERB };
                 let [right_start, right_end, left_end, left_start] = corners_of(strip, i, part)
                     .map(|p| if layer == Layer::Road { p + Vector3::z() * over_m } else { p });
                 let beside = [(right, 0), (left, 1)]
@@ -213,36 +214,6 @@ pub(crate) fn build(sections: &[&Section], area: &Region, ground: &GroundLevels,
         }
         verges(section, area, ground, blocks);
     }
-}
-
-/// What the surface of a strip is, in a section that begins at some place; none where nothing is built.
-fn made_of(ground: Ground, begins: [f64; 2]) -> Option<(Layer, MeshPart)> {
-    match ground {
-        Ground::Paved => Some((Layer::Road, ASPHALT)),
-        Ground::Waste => Some((Layer::Median, WASTE)),
-        Ground::Track => Some((Layer::Track, BALLAST)),
-        Ground::Walk => Some((Layer::Sidewalk, pavement(begins))),
-        Ground::Median => Some((Layer::Median, MEDIAN)),
-        Ground::Land => None,
-    }
-}
-
-/// Whether a piece of a sidewalk that was kept is as wide as a sidewalk, with those beside it (kerbs are
-/// lanes of their own in some maps), and as long, with the pieces before and behind it that were kept.
-fn is_walkable(section: &Section, k: usize, i: usize, kept: &[Option<Share>]) -> bool {
-    let is_walk = |strip: &&Strip| strip.ground == Ground::Walk;
-    let (before, rest) = section.strips.split_at(k);
-    let run = || before.iter().rev().take_while(is_walk).chain(rest.iter().take_while(is_walk));
-    let wide_m = |at: usize| run().map(|strip| (strip.left[at] - strip.right[at]).xy().norm()).sum::<f64>();
-    if wide_m(i) < LEAST_M || wide_m(i + 1) < LEAST_M {
-        return false;
-    }
-    // The next section has pieces that go on.
-    let goes_on = (i == 0 && !section.ends[0]) || (i + 1 == kept.len() && !section.ends[1]);
-    let strip = &section.strips[k];
-    let middle = |at: usize| nalgebra::center(&strip.left[at], &strip.right[at]);
-    let near = (i.saturating_sub(1)..(i + 2).min(kept.len())).filter(|i| kept[*i].is_some());
-    goes_on || near.map(|i| (middle(i + 1) - middle(i)).xy().norm()).sum::<f64>() >= LEAST_M
 }
 
 /// Metres along the middle of a strip to each of its samples; it goes on from where its section begins.
@@ -430,58 +401,6 @@ mod tests {
         let other = road("2", [0.0, -3.0], 0.0, 60.0, one_way(&[(Driving, 3.0)]));
         let both = vec![road("1", [0.0, 0.0], 0.0, 60.0, street), other];
         assert_eq!(made_of_roads(both), [Surface::Asphalt; 2]);
-    }
-
-    /// Tags of the raised strips of a street beside a lane.
-    fn raised(strips: &[(LaneType, f64)]) -> Vec<Tag> {
-        let lanes = [&[(LaneType::Driving, 3.5)], strips].concat();
-        let map = map(vec![road("1", [0.0, 0.0], 0.0, 60.0, one_way(&lanes))]);
-        let atlas = Atlas::new(&map);
-        let here = atlas.ground(&Region { min: [0.0, -32.0], max: [64.0, 32.0] });
-        let mut tags: Vec<Tag> = Vec::new();
-        for piece in here.surfaces() {
-            let is_raised =
-                |k: &usize| piece.mesh.corners(*k).iter().all(|p| f64::from(p.z) + piece.origin_m[2] > 0.1);
-            tags.extend((0..piece.mesh.triangles.len()).filter(is_raised).map(|k| piece.mesh.part(k).tag));
-        }
-        tags.sort_unstable();
-        tags.dedup();
-        tags
-    }
-
-    #[test]
-    fn what_is_too_narrow_to_walk_on_is_no_sidewalk() {
-        use LaneType::{Curb, Sidewalk};
-        assert_eq!(raised(&[(Sidewalk, 2.0)]), [Tag::Sidewalk]);
-        assert_eq!(raised(&[(Sidewalk, 0.3)]), [Tag::Ground]);
-        // A kerb is part of the sidewalk beside it, on either side.
-        assert_eq!(raised(&[(Curb, 0.2), (Sidewalk, 2.0)]), [Tag::Sidewalk]);
-        assert_eq!(raised(&[(Sidewalk, 2.0), (Curb, 0.2)]), [Tag::Sidewalk]);
-    }
-
-    #[test]
-    fn what_is_left_of_a_sidewalk_must_be_as_long_as_it_is_wide() {
-        let map = map(vec![road("1", [0.0, 0.0], 0.0, 60.0, one_way(&[(LaneType::Sidewalk, 2.0)]))]);
-        let mut section = crate::surfaces::sections::of_road(&map, 0).remove(0);
-        let at = |x: f64, y: f64| Point3::new(x, y, 0.0);
-        let x_m = [0.0, 0.3, 0.6, 2.0];
-        section.s = x_m.to_vec();
-        section.strips.truncate(1);
-        section.strips[0].left = x_m.map(|x| at(x, 0.0)).to_vec();
-        section.strips[0].right = x_m.map(|x| at(x, -2.0)).to_vec();
-        let (some, none) = (Some(WHOLE), None);
-        for (i, kept, want) in [
-            (0, [some, none, none], false),
-            (1, [none, some, none], false),
-            (0, [some, some, none], true),
-            (1, [none, some, some], true),
-            (2, [none, none, some], true),
-        ] {
-            assert_eq!(is_walkable(&section, 0, i, &kept), want, "{i} {kept:?}");
-        }
-        // It goes on in the section before.
-        section.ends[0] = false;
-        assert!(is_walkable(&section, 0, 0, &[some, none, none]));
     }
 
     #[test]

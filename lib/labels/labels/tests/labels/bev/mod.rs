@@ -2,5 +2,4 @@
 
 mod exact;
 mod rays;
-mod sidewalks;
 mod simbev2x;
