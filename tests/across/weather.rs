@@ -79,7 +79,11 @@ fn the_page_of_places_is_planned_and_its_rsus_stand_on_the_ground() {
     let bench = Bench::new(&format!("{}{short}", page("agents.md")));
     let planned = bench.run("spawn-planner", &[]);
     planned.expect_done();
-    assert!(!planned.stderr.contains("rsus_at") && !planned.stderr.contains("of 2 RSUs"), "{}", planned.stderr);
+    assert!(
+        !planned.stderr.contains("rsus_at") && !planned.stderr.contains("of 2 RSUs"),
+        "{}",
+        planned.stderr
+    );
     let agents: Vec<PlanAgentRow> = store(&bench).read_rows(&plan(&bench), keys::PLAN_AGENTS).expect("reads");
     let rsus: Vec<&PlanAgentRow> = agents.iter().filter(|a| a.agent.kind == AgentKind::Rsu).collect();
     assert!(rsus.len() == 4 && agents.len() == 8, "{agents:?}");

@@ -152,7 +152,7 @@ fn what_is_not_there_is_one_clear_error() {
     make(&store);
     let dest = folder.path().join("out").to_string_lossy().into_owned();
     let run = |args: &[&str]| viz(&store, &[args, &["--dest", &dest]].concat());
-    refused(&run(&["--scene", "7"]), &["7", "not in the plan"]);
+    refused(&run(&["--scene", "7"]), &["its plan has no scene 7"]);
     refused(&run(&["--frames", "0,9"]), &["no frame 9", "frames 0 to 1"]);
     refused(&run(&["--agents", "vehicle_4"]), &["no agent `vehicle_4`", "vehicle_0, rsu_0"]);
     refused(
