@@ -4,8 +4,7 @@
 //!   stretch of recorded driving as a possible incident.
 //! * NCHRP 400: Fambro, Fitzpatrick and Koppa, Determination of Stopping Sight Distances, 1997: nine of ten
 //!   drivers brake harder for something unexpected.
-//! * UN R79: Regulation No. 79, 03 series: systems that steer a car, lateral jerk averaged over half a
-//!   second.
+//! * UN R79: Regulation No. 79, 03 series: systems that steer; lateral jerk averaged over half a second.
 //! * ISO 15622:2018: cruise control above 20 m/s and below 5 m/s; braking averaged over 2 s, jerk over 1 s.
 //! * Curves: a test-track study with 28 passengers, doi:10.31234/osf.io/kcw2d: 3 m/s2 was more balanced, 4
 //!   m/s2 often too fast.
