@@ -115,7 +115,11 @@ impl Rolling {
         let to_rad = if backs { self.yaw_rad } else { frames::math::atan2(aside.y, aside.x) };
         let yaw_rad = Gait::Wheels.turned(self.yaw_rad, to_rad, 0.0);
         let towards = Self::ahead(yaw_rad);
-        let velocity_mps = towards * rolled(self.speed_mps(), choice.dot(&towards));
+        // Slower, the more it has to turn still: it needs room for that.
+        let aligned = aside.try_normalize(1e-9).unwrap_or(towards).dot(&towards).max(0.0);
+        let wished = choice.dot(&towards);
+        let to_mps = if backs { wished } else { wished.max(0.0) * aligned * aligned };
+        let velocity_mps = towards * rolled(self.speed_mps(), to_mps);
         if free(&velocity_mps) {
             return Self { yaw_rad, velocity_mps };
         }

@@ -468,13 +468,17 @@ impl Walker {
     ) {
         let (sweeps, before, radius_m) = (around.sweeps, self.point, self.radius_m());
         let aside_rad = frames::wrap_pi(heading(&wish.ahead) - self.yaw_rad);
-        let share = if self.halts { 0.0 } else { share_of_speed(aside_rad) };
-        let turned = DesiredVelocity { speed_mps: share * wish.speed_mps, ..wish };
+        let share = share_of_speed(aside_rad);
+        let turned = if self.halts {
+            DesiredVelocity { speed_mps: 0.0, aside_m: 0.0, room_m: [0.0; 2], ..wish }
+        } else {
+            DesiredVelocity { speed_mps: share * wish.speed_mps, ..wish }
+        };
         let minded = sweeps.is_minded(me);
-        let wish = match () {
-            () if minded && !self.is_on_road() => dodging::out_of_the_way(sweeps, &before, radius_m, turned),
-            () if self.halts => DesiredVelocity { aside_m: 0.0, room_m: [0.0; 2], ..turned },
-            () => turned,
+        let wish = if minded && !self.is_on_road() {
+            dodging::out_of_the_way(sweeps, &before, radius_m, turned)
+        } else {
+            turned
         };
         let choice = crowd.choice(me, &wish, around.fixtures).cap_magnitude(self.most_mps());
         let blocked = |v: &Vector2<f64>| minded && sweeps.blocks(&before, stopping_way(v), radius_m);
