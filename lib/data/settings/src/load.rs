@@ -4,7 +4,8 @@
 use std::path::Path;
 
 use crate::dataset::{DatasetSettings, read};
-use crate::reader::{Fault, Source, line_of, texts_of, with_documents};
+use crate::document::{Fault, Source, line_of, texts_of};
+use crate::reader::with_documents;
 use crate::suspicions::{self, Suspicion};
 use crate::{rig_keys, yaml};
 

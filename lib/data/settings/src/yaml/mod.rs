@@ -14,7 +14,7 @@ use saphyr::{LoadableYamlNode, MarkedYaml};
 
 use writer::{Writer, line, pairs, text};
 
-use crate::reader::Fault;
+use crate::document::Fault;
 pub use names::simbev2x_keys;
 pub(crate) use writer::Translation;
 

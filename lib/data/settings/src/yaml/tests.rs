@@ -119,7 +119,8 @@ fn special_keys_become_what_they_should() {
     for (key, value, want) in cases {
         let got = translated(&format!("{key}: {value}\n"));
         assert_eq!(got.toml, want, "{key}");
-        let names = |w: &crate::reader::Fault| w.message.contains(key) && !w.message.contains("no such key");
+        let names =
+            |w: &crate::document::Fault| w.message.contains(key) && !w.message.contains("no such key");
         assert!(!want.is_empty() || got.warnings.iter().any(names), "{key}: {:?}", got.warnings);
     }
     assert_eq!(

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use saphyr::{MarkedYaml, Scalar, YamlData};
 
 use super::names::Rule;
-use crate::reader::Fault;
+use crate::document::Fault;
 
 /// A configuration in our own language.
 #[derive(Debug, Default)]
