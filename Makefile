@@ -91,7 +91,7 @@ stats: build
 
 # A table of scenes and stages (the program itself exits with 1 while something is not done).
 status: build
-	@$(BIN)/convoy status $(COMMON) $(SCENES_ARG) $(EDITION_ARG) $(STRICT_ARG) $(if $(WHY),--why $(WHY)) || test $$? -eq 1
+	@$(BIN)/convoy status $(COMMON) $(MAPS_ARG) $(SCENES_ARG) $(EDITION_ARG) $(STRICT_ARG) $(if $(WHY),--why $(WHY)) || test $$? -eq 1
 
 # Hashes every shard again and names what is missing, truncated or changed.
 verify: build

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use convoy_tests::{Bench, Outcome, TINY, program};
+use convoy_tests::{Bench, Outcome, SMALL, TINY, program};
 
 /// Two scenes with few sensors; whatever would be made again is asked about.
 fn config() -> String {
@@ -147,4 +147,30 @@ fn make_names_stores_as_their_configurations() {
     assert_eq!(said(&["CONFIG=configs/town10.toml"]), "town10");
     assert_eq!(said(&["CONFIG=elsewhere/mine.toml"]), "mine");
     assert_eq!(said(&["CONFIG=configs/town10.toml", "STORE=dataset"]), "dataset");
+}
+
+#[test]
+fn status_says_what_another_plan_would_make_again_and_add() {
+    let bench = Bench::new(SMALL);
+    bench.run("spawn-planner", &[]).expect_done();
+    bench.run("simulate-and-log", &[]).expect_done();
+    let before = bench.digests();
+    let wish = SMALL.replace("\"convoy/demo\" = 1", "\"convoy/demo\" = 3");
+    bench.configure(&wish.replace("vehicles = 12", "vehicles = 13"));
+    let foreseen = |args: &[&str]| {
+        let status = bench.run("convoy", &[&["status"], args].concat());
+        assert_eq!(status.code, 1, "{status:?}");
+        let said = |line: &&str| line.starts_with("the next run") || line.starts_with("changed");
+        // How much it is changes with what drives by.
+        let line = |line: &str| line.split(", about").next().unwrap_or_default().to_owned() + "\n";
+        status.stdout.lines().filter(said).map(line).collect::<String>()
+    };
+    insta::assert_snapshot!(foreseen(&[]), @r"
+    the next run makes again simulate-and-log: scene 0 (planned otherwise)
+    the next run adds scenes 1-2
+    changed: scenes.train.convoy/demo: 1 -> 3
+    changed: traffic.vehicles: 12 -> 13
+    ");
+    insta::assert_snapshot!(foreseen(&["--grow"]), @"the next run adds scenes 1-2");
+    assert!(bench.digests() == before, "status wrote");
 }

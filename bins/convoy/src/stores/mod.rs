@@ -3,6 +3,7 @@
 mod member;
 mod merge;
 mod mixed;
+mod replanning;
 mod status;
 mod tidy;
 mod verify;
@@ -14,6 +15,8 @@ use std::time::{Duration, Instant};
 
 use arguments::stage::Progress;
 use clap::Subcommand;
+
+use self::replanning::Replanning;
 
 use runner::{
     EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, Programs, STAMP_LEN, SceneList,
@@ -80,6 +83,9 @@ pub(crate) enum StoreCommand {
         /// The store: a folder, by its path or as file:///FOLDER.
         #[arg(long, value_name = "DIR")]
         store: PathBuf,
+        /// Folder with OpenDRIVE files: what changed there is looked for, too.
+        #[arg(long, value_name = "DIR")]
+        maps: Option<PathBuf>,
         /// Only these scenes.
         #[arg(long, value_name = "LIST")]
         scenes: Option<SceneList>,
@@ -180,7 +186,7 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
                 }
             }
         }
-        StoreCommand::Status { config, store, scenes, why, grow, edition, strict } => {
+        StoreCommand::Status { config, store, maps, scenes, why, grow, edition, strict } => {
             let programs = Programs::of_build(stamp, None);
             let place = (&*store, arguments::stage::edition_wish(grow, edition));
             match (why.as_deref(), config.as_deref()) {
@@ -188,7 +194,8 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
                 // What is only suspicious, `run` says.
                 (_, Some(config)) => {
                     let rule = Suspicious::of(strict, false);
-                    status::status((config, rule), place, scenes.as_ref(), &programs)
+                    let plan = Replanning::new(config, &store, maps.as_deref(), (grow, edition));
+                    status::status((config, rule), place, scenes.as_ref(), (&programs, &plan))
                 }
                 (_, None) => status::status_of_import(&store, scenes.as_ref(), &programs),
             }

@@ -9,18 +9,27 @@ use runner::{
 };
 use store::{SceneKind, Scope, Store};
 
+use super::replanning::Replanning;
+
 /// Prints the table of a store as a configuration with its place among the editions has it. The exit code is
 /// 0 where all is done.
 pub(crate) fn status(
     (config, rule): (&Path, Suspicious),
     (store, wish): (&Path, EditionWish),
     only: Option<&SceneList>,
-    programs: &Programs,
+    (programs, replanning): (&Programs, &Replanning),
 ) -> u8 {
     let Some(settings) = settings_or_faults(config, rule) else { return EXIT_USAGE };
     let told = Store::open(store).map_err(StageError::from).and_then(|store| {
         let editions = Editions::of_store(&store, &settings, wish)?;
         let all_done = status_table(Status::new(&store, &editions, programs), Some(&editions), &store, only)?;
+        let planner = Graph::get().planner();
+        let is_planned = Status::new(&store, &editions, programs).state(planner, Scope::Plan)? == State::Done;
+        // What another plan would be, the planner knows.
+        if let Some((lines, is_kept)) = replanning.lines(is_planned) {
+            lines.iter().for_each(|line| say(line));
+            return Ok(all_done && is_kept);
+        }
         let foresight = Foresight::of_plan(&store, &editions, programs)?;
         for (_, line) in foresight.lines() {
             say(&format!("the next run makes again {line}"));

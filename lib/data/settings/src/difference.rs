@@ -74,6 +74,11 @@ fn compare(path: &str, (old, new): (Option<&Value>, Option<&Value>), found: &mut
         return;
     }
     if let (Some(Value::Array(a)), Some(Value::Array(b))) = (old, new)
+        && let (Some(a), Some(b)) = (as_wishes(a), as_wishes(b))
+    {
+        return compare(path, (Some(&a), Some(&b)), found);
+    }
+    if let (Some(Value::Array(a)), Some(Value::Array(b))) = (old, new)
         && a.iter().chain(b).all(Value::is_object)
     {
         let names: Vec<String> = names_of(a).into_iter().chain(names_of(b)).collect();
@@ -106,6 +111,16 @@ fn as_pairs(list: &[Value]) -> Option<BTreeMap<&str, &Value>> {
         }
     }
     list.iter().map(pair).collect()
+}
+
+/// How many scenes are wished for, by split and map, as a configuration has them.
+fn as_wishes(list: &[Value]) -> Option<Value> {
+    let mut wishes: BTreeMap<String, BTreeMap<String, u64>> = BTreeMap::new();
+    for item in list {
+        let (split, map) = (item["split"].as_str()?.to_lowercase(), item["map"].as_str()?.to_owned());
+        *wishes.entry(split).or_default().entry(map).or_default() += item["count"].as_u64()?;
+    }
+    (!wishes.is_empty()).then(|| serde_json::to_value(wishes).ok())?
 }
 
 fn below(path: &str, name: &str) -> String {
@@ -191,5 +206,18 @@ mod tests {
     fn lists_in_another_order_differ() {
         let list = |names: [&str; 2]| json!({"cameras": names.map(|name| json!({"name": name}))});
         assert_eq!(told(&list(["a", "b"]), &list(["b", "a"])).len(), 1);
+    }
+
+    #[test]
+    fn wishes_for_scenes_are_named_as_they_are_written() {
+        let of = |text: &str| serde_json::to_value(parse(text, "x.toml").expect("is good")).expect("is JSON");
+        let old = of("[scenes.train]\nTown03 = 2\n\"convoy/demo\" = 1\n");
+        let new = of("[scenes.train]\n\"convoy/demo\" = 3\n[scenes.val]\nTown03 = 2\n");
+        let wanted = [
+            "scenes.train.Town03: 2 -> none",
+            "scenes.train.convoy/demo: 1 -> 3",
+            "scenes.val: none -> {\"Town03\":2}",
+        ];
+        assert_eq!(told(&old, &new), wanted);
     }
 }

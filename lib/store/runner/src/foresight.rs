@@ -70,6 +70,8 @@ pub struct Foresight {
     changes: Vec<KeyChange>,
     /// Whether there are such keys, or nobody knows what the store was made with.
     differs: bool,
+    /// Scenes that the plan has not yet.
+    added: Vec<u32>,
 }
 
 /// A core makes about so many bytes a second: for work that the forecast knows nothing of.
@@ -120,6 +122,8 @@ impl Foresight {
             // It was lost: whatever was made of scenes is there.
             None => store::scenes_begun(store)?.into_iter().map(|scene| (scene, None)).collect(),
         };
+        let wanted = intent.sections.iter().flat_map(BTreeMap::keys);
+        foresight.added = wanted.filter(|scene| !planned.contains_key(scene)).copied().collect();
         let stages = Graph::get().stages.iter().filter(|stage| stage.unit == UnitKind::Scene);
         let stages: Vec<&'static StageSpec> = stages.collect();
         let mut costs = Costs::default();
@@ -224,6 +228,13 @@ impl Foresight {
     /// The keys that have other values than those that the store was made with, for people.
     pub fn changed(&self) -> impl Iterator<Item = String> {
         self.changes.iter().map(|change| format!("changed: {change}"))
+    }
+
+    /// The scenes that the plan has not yet, for people.
+    #[must_use]
+    pub fn added(&self) -> Option<String> {
+        let count = if self.added.len() == 1 { "scene" } else { "scenes" };
+        (!self.added.is_empty()).then(|| format!("{count} {}", ranges(&self.added)))
     }
 
     /// Estimated work that would be made again because the configuration changed, seconds of one core.

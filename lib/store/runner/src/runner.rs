@@ -471,6 +471,9 @@ impl<S: StageSettings> Run<'_, S> {
             let verb = if self.makes(stage) { "make again" } else { "make stale" };
             say(&format!("would {verb} {line}"));
         }
+        if let Some(added) = foresight.added() {
+            say(&format!("would add {added}"));
+        }
         foresight.changed().for_each(|line| say(&line));
         let sources = self.sources();
         for &scope in scopes {
