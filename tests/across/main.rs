@@ -9,6 +9,7 @@ mod evaluate;
 mod exports;
 mod failures;
 mod far;
+mod given;
 mod groups;
 mod growth;
 mod hazards;

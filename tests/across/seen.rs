@@ -46,6 +46,8 @@ fn town() -> (Snapshot, Pose<World, Agent>, Pose<World, Agent>) {
         agents: &plan.agents,
         hazards: &[],
         weather: &[],
+        routes: &[],
+        trajectories: &[],
         settings: &simulation,
         fixed: &fixed,
         first_id: fixed.last().map_or(1, |a| a.id + 1),

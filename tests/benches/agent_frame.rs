@@ -98,6 +98,8 @@ fn main() {
         agents: &plan.agents,
         hazards: &[],
         weather: &[],
+        routes: &[],
+        trajectories: &[],
         settings: &SimulationSettings::of(&settings),
         fixed: &fixed,
         first_id: fixed.last().map_or(1, |a| a.id + 1),

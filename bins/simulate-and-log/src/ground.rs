@@ -261,6 +261,8 @@ mod tests {
             agents: &plan.agents,
             hazards: &plan.hazards,
             weather: &[],
+            routes: &[],
+            trajectories: &[],
             settings: &settings,
             fixed: &nearby,
             first_id: 1,

@@ -46,6 +46,7 @@ pub(crate) fn scene_info(
         .collect::<Result<_, StageError>>()?;
     let weathers = between.iter().map(|row| row.weather).chain([plan.initial_weather, plan.final_weather]);
     let hazards = |kind: HazardKind| log.hazards.iter().filter(|h| h.kind == kind).count() as u32;
+    let count = |is_one: &dyn Fn(&ActorRow) -> bool| log.actors.iter().filter(|a| is_one(a)).count() as u32;
     let dark = weathers.map(Weather::from_array).any(|weather| weather.is_night());
     let keyframe =
         |row: &PlanWeatherRow| WeatherKeyframeInfo { at_s: row.at_s, weather: by_name(row.weather) };
@@ -72,8 +73,9 @@ pub(crate) fn scene_info(
         street_lights_on: dark.then_some(!settings.lights.street_lamps_off),
         building_lights_on: dark.then_some(!settings.lights.buildings_off),
         agents,
-        n_vehicles: log.n_vehicles,
-        n_walkers: log.n_walkers,
+        // Those on given trajectories, too; what is towed is no vehicle of its own.
+        n_vehicles: count(&|a| a.role == ActorRole::Background && a.parent.is_none()),
+        n_walkers: count(&|a| a.role == ActorRole::Walker),
         n_accident_hazards: hazards(HazardKind::Accident),
         n_road_work_hazards: hazards(HazardKind::RoadWorks),
         n_hazard_attempts: plan.hazard_attempts,

@@ -35,7 +35,8 @@ pub const STAGE: Stage<SimulationSettings> = Stage::new(run);
 const VARIANTS: u32 = meshes::people::APPEARANCES;
 
 fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
-    let ScenePlan { scene: plan, agents, hazards, weather, models } = ScenePlan::read(job)?;
+    let ScenePlan { scene: plan, agents, hazards, weather, routes, trajectories, models } =
+        ScenePlan::read(job)?;
     let catalogue = Catalogue::with(&models);
     let map = replay::maps::read(job.store(), &plan.map, &plan.map_hash).at(|| job.place())?;
     let (settings, store) = (job.settings().clone(), job.store().clone());
@@ -55,6 +56,8 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
             agents: &agents,
             hazards: &hazards,
             weather: &weather,
+            routes: &routes,
+            trajectories: &trajectories,
             settings: &settings,
             fixed: &nearby,
             first_id: 1,

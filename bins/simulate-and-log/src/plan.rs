@@ -2,7 +2,9 @@
 
 use runner::{At, Job, StageError};
 use schema::table::Row;
-use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow, PlanWeatherRow};
+use schema::tables::{
+    PlanAgentRow, PlanHazardRow, PlanModelRow, PlanRouteRow, PlanSceneRow, PlanTrajectoryRow, PlanWeatherRow,
+};
 use settings::stages::SimulationSettings;
 use store::keys;
 
@@ -15,6 +17,10 @@ pub(crate) struct ScenePlan {
     pub(crate) hazards: Vec<PlanHazardRow>,
     /// Keyframes of its weather, by time.
     pub(crate) weather: Vec<PlanWeatherRow>,
+    /// Places on routes that the user gave, by agent.
+    pub(crate) routes: Vec<PlanRouteRow>,
+    /// Actors on trajectories that the user gave.
+    pub(crate) trajectories: Vec<PlanTrajectoryRow>,
     /// The models of packs, of all scenes.
     pub(crate) models: Vec<PlanModelRow>,
 }
@@ -33,12 +39,14 @@ impl ScenePlan {
         agents.retain(|a| a.scene == number);
         let mut hazards: Vec<PlanHazardRow> = store.read_rows(manifest, keys::PLAN_HAZARDS)?;
         hazards.retain(|h| h.scene == number);
-        let has_weather = manifest.output(keys::PLAN_WEATHER).is_some();
-        let mut weather: Vec<PlanWeatherRow> =
-            if has_weather { store.read_rows(manifest, keys::PLAN_WEATHER)? } else { Vec::new() };
+        let mut weather: Vec<PlanWeatherRow> = store.read_optional_rows(manifest, keys::PLAN_WEATHER)?;
         weather.retain(|w| w.scene == number);
-        let has_models = manifest.output(keys::PLAN_MODELS).is_some();
-        let models = if has_models { store.read_rows(manifest, keys::PLAN_MODELS)? } else { Vec::new() };
-        Ok(Self { scene, agents, hazards, weather, models })
+        let mut routes: Vec<PlanRouteRow> = store.read_optional_rows(manifest, keys::PLAN_ROUTES)?;
+        routes.retain(|r| r.scene == number);
+        let mut trajectories: Vec<PlanTrajectoryRow> =
+            store.read_optional_rows(manifest, keys::PLAN_TRAJECTORIES)?;
+        trajectories.retain(|t| t.scene == number);
+        let models = store.read_optional_rows(manifest, keys::PLAN_MODELS)?;
+        Ok(Self { scene, agents, hazards, weather, routes, trajectories, models })
     }
 }

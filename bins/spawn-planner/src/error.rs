@@ -46,6 +46,27 @@ pub(crate) enum MapError {
     Gone,
 }
 
+/// Trajectories cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum TrajectoryError {
+    /// It is not there.
+    #[error(
+        "agents.trajectories: there is no file `{written}`, neither below the maps folder nor from where the program runs"
+    )]
+    NotFound {
+        /// As it is written.
+        written: String,
+    },
+    /// It holds no trajectories.
+    #[error("{path} (agents.trajectories): {problem}")]
+    Bad {
+        /// The file.
+        path: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+}
+
 /// A pack of models cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ModelError {

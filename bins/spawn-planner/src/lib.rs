@@ -3,17 +3,20 @@
 mod error;
 mod maps;
 mod models;
+mod trajectories;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use catalogue::Catalogue;
 use packs::PackModel;
-use plan::{Plan, PlanMap, Roster, SceneSlot};
+use plan::{Plan, PlanError, PlanMap, PlanSources, Roster, SceneSlot};
 use runner::forecast::{self, Planned};
 use runner::{At, Editions, Job, Place, Stage, StageError, StageSettings};
 use schema::table::Row;
-use schema::tables::{PlanAgentRow, PlanHazardRow, PlanModelRow, PlanSceneRow, PlanWeatherRow};
+use schema::tables::{
+    PlanAgentRow, PlanHazardRow, PlanModelRow, PlanRouteRow, PlanSceneRow, PlanTrajectoryRow, PlanWeatherRow,
+};
 use settings::stages::PlanSettings;
 use settings::{Suspicion, map_name};
 use store::{SceneKind, Scope, Store, keys};
@@ -27,6 +30,7 @@ pub const STAGE: Stage<PlanSettings> = Stage {
     sources: |settings, folder| {
         let mut all = maps::digests(settings, folder);
         all.extend(models::digests(settings, folder));
+        all.extend(trajectories::digests(settings, folder));
         all
     },
     // Plans without writing.
@@ -68,6 +72,9 @@ fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Resu
         for rsu in &mut settings.agents.rsus_at {
             rsu.map = map_name(&rsu.map).to_owned();
         }
+        for route in &mut settings.agents.routes {
+            route.map = map_name(&route.map).to_owned();
+        }
     });
     let roster = enrol(store, &settings)?;
     let texts = maps::texts(as_written, &roster.slots, folder, store)?;
@@ -78,9 +85,23 @@ fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Resu
     }
     let models = models::read(&settings, folder)?;
     let rows: Vec<PlanModelRow> = models.iter().map(|model| model.row.clone()).collect();
-    let plan =
-        plan::plan_slots(&settings, &roster.slots, &maps, &Catalogue::with(&rows)).at(Place::default)?;
+    let tracks = trajectories::read(&settings, folder)?;
+    let sources = PlanSources { catalogue: &Catalogue::with(&rows), tracks: &tracks };
+    let plan = plan::plan_slots(&settings, &roster.slots, &maps, &sources).map_err(refused)?;
     Ok(Made { roster, texts, maps, models, plan })
+}
+
+/// What a user gave and nobody can follow is a wrong argument.
+fn refused(error: PlanError) -> StageError {
+    match error {
+        PlanError::Trajectory { .. } | PlanError::Route { .. } | PlanError::NotFirst { .. } => {
+            StageError::usage(error)
+        }
+        other => match Err::<(), _>(other).at(Place::default) {
+            Err(error) => error,
+            Ok(()) => StageError::Stopped,
+        },
+    }
 }
 
 /// What the plan cannot give as it is wished for, and what is odd in it.
@@ -134,6 +155,12 @@ fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
         if !plan.weather.is_empty() {
             unit.rows(keys::PLAN_WEATHER, &plan.weather)?;
         }
+        if !plan.routes.is_empty() {
+            unit.rows(keys::PLAN_ROUTES, &plan.routes)?;
+        }
+        if !plan.trajectories.is_empty() {
+            unit.rows(keys::PLAN_TRAJECTORIES, &plan.trajectories)?;
+        }
         if !models.is_empty() {
             unit.rows(keys::PLAN_MODELS, &rows)?;
             models::put(&models, &mut unit)?;
@@ -165,16 +192,12 @@ fn before(store: &Store) -> BTreeMap<u32, (String, String)> {
             scenes: store.read_rows(&manifest, keys::PLAN_SCENES)?,
             agents: store.read_rows(&manifest, keys::PLAN_AGENTS)?,
             hazards: store.read_rows(&manifest, keys::PLAN_HAZARDS)?,
-            weather: match manifest.output(keys::PLAN_WEATHER) {
-                Some(_) => store.read_rows(&manifest, keys::PLAN_WEATHER)?,
-                None => Vec::new(),
-            },
+            weather: store.read_optional_rows(&manifest, keys::PLAN_WEATHER)?,
+            routes: store.read_optional_rows(&manifest, keys::PLAN_ROUTES)?,
+            trajectories: store.read_optional_rows(&manifest, keys::PLAN_TRAJECTORIES)?,
             ..Plan::default()
         };
-        let models: Vec<PlanModelRow> = match manifest.output(keys::PLAN_MODELS) {
-            Some(_) => store.read_rows(&manifest, keys::PLAN_MODELS)?,
-            None => Vec::new(),
-        };
+        let models: Vec<PlanModelRow> = store.read_optional_rows(&manifest, keys::PLAN_MODELS)?;
         let mut found = BTreeMap::new();
         for scene in &plan.scenes {
             let Some(kept) = manifest.sections.get(&format!("scene/{:04}", scene.scene)) else { continue };
@@ -220,6 +243,15 @@ fn scene_digest(scene: &PlanSceneRow, plan: &Plan, models: &[PlanModelRow]) -> R
     ];
     if !weather.is_empty() {
         all.push(PlanWeatherRow::to_columns(&weather));
+    }
+    let routes: Vec<PlanRouteRow> = plan.routes.iter().filter(|r| r.scene == number).cloned().collect();
+    if !routes.is_empty() {
+        all.push(PlanRouteRow::to_columns(&routes));
+    }
+    let is_here = |row: &&PlanTrajectoryRow| row.scene == number;
+    let trajectories: Vec<PlanTrajectoryRow> = plan.trajectories.iter().filter(is_here).cloned().collect();
+    if !trajectories.is_empty() {
+        all.push(PlanTrajectoryRow::to_columns(&trajectories));
     }
     // Numbers are the shortest text that reads back the same.
     Ok(store::hash_bytes(&serde_json::to_vec(&all).at(Place::default)?))

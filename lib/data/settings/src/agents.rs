@@ -1,6 +1,7 @@
 //! Data-collection vehicles and RSUs.
 
 use frames::deg;
+use schema::{AgentId, AgentKind};
 
 use crate::key::{choice, settings, tables};
 use crate::reader::Section;
@@ -44,6 +45,68 @@ settings! {
 }
 
 settings! {
+    /// The route of a data-collection vehicle, given by the user: by points or by lanes.
+    pub struct GivenRoute {
+        /// Name of the map, as in `scenes`.
+        map: String = "convoy/demo".into();
+        /// Whose route it is: `vehicle_0`, ...
+        agent: String = "vehicle_0".into();
+        /// Points in the world, m, each on the nearest driving lane within 5 m: the vehicle starts at the
+        /// first one and passes the others in their order.
+        points_m: Vec<[f64; 3]> = Vec::new(), or("`lanes` say the route");
+        /// Lanes in the world, each as `"road:lane"` by their OpenDRIVE ids: the vehicle starts in the
+        /// middle of the first one and passes the others in their order.
+        lanes: Vec<String> = Vec::new();
+    }
+    rule drivable;
+}
+
+fn drivable(s: &Section<'_>, read: &GivenRoute) {
+    let (points, lanes) = (read.points_m.len(), read.lanes.len());
+    if points > 0 && lanes > 0 {
+        let problem = format!(
+            "`{}` and `{}` both say the route: leave one out",
+            s.path_of("points_m"),
+            s.path_of("lanes")
+        );
+        s.fault_at_any(&["lanes", "points_m"], problem);
+    } else if points + lanes < 2 && s.has_besides(&[]) {
+        let problem = format!(
+            "`{}`: a route has at least two points or two lanes, this one has {}",
+            s.path(),
+            points + lanes
+        );
+        s.fault_at_any(&["points_m", "lanes", "agent", "map"], problem);
+    }
+    for lane in read.lanes.iter().filter(|lane| GivenRoute::lane(lane).is_none()) {
+        let path = s.path_of("lanes");
+        s.fault_at("lanes", format!("`{path}`: `{lane}` is no lane: write \"road:lane\", such as \"12:-1\""));
+    }
+    if read.vehicle().is_none() {
+        let path = s.path_of("agent");
+        s.fault_at(
+            "agent",
+            format!("`{path}` is \"{}\", expected a vehicle such as \"vehicle_0\"", read.agent),
+        );
+    }
+}
+
+impl GivenRoute {
+    /// The OpenDRIVE ids of a road and a lane on it.
+    #[must_use]
+    pub fn lane(written: &str) -> Option<(&str, i16)> {
+        let (road, lane) = written.rsplit_once(':')?;
+        Some((road, lane.parse().ok().filter(|lane| *lane != 0)?))
+    }
+
+    /// The vehicle whose route it is.
+    #[must_use]
+    pub fn vehicle(&self) -> Option<AgentId> {
+        self.agent.parse().ok().filter(|id: &AgentId| id.kind == AgentKind::Vehicle)
+    }
+}
+
+settings! {
     /// Data-collection vehicles and RSUs.
     pub struct AgentSettings {
         /// Fewest data-collection vehicles in a scene.
@@ -82,6 +145,13 @@ settings! {
         /// `max_rsus`, they are the first.
         #[serde(skip_serializing_if = "Vec::is_empty")]
         rsus_at: Vec<GivenRsu> = Vec::new(), or("at traffic lights near the vehicles"), by(tables);
+        /// Where data-collection vehicles drive, instead of anywhere.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        routes: Vec<GivenRoute> = Vec::new(), or("they turn as they like"), by(tables);
+        /// Parquet file of actors' poses at 20 Hz (docs/trajectories.md), below the maps folder or from where
+        /// the program runs: these actors go where it says, and all others keep off them.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        trajectories: Option<String> = None, or("all actors move by themselves");
         /// Share of a scene's vehicles that collect data (at least one does); `traffic.vehicles` counts all
         /// of them, and `min_vehicles` and `max_vehicles` have no say.
         penetration: Option<f64> = None, within(0.0..=1.0), or("min_vehicles to max_vehicles collect data");

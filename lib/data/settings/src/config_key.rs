@@ -41,6 +41,7 @@ pub enum Kind {
     Texts,
     Numbers,
     Triple,
+    Points,
     Colors,
     /// One of some words.
     Choice(Vec<String>),
@@ -69,6 +70,7 @@ impl fmt::Display for Kind {
             Self::Texts => f.write_str("list of strings"),
             Self::Numbers => f.write_str("list of numbers"),
             Self::Triple => f.write_str("three numbers"),
+            Self::Points => f.write_str("list of [x, y, z]"),
             Self::Colors => f.write_str("list of [red, green, blue], 0 to 255"),
             Self::Choice(words) => write!(f, "one of {}", listed(words)),
             Self::Integer { min, max: i64::MAX } => write!(f, "integer, from {min}"),

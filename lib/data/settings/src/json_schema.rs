@@ -85,6 +85,7 @@ fn described(key: &ConfigKey) -> Value {
         Kind::Texts => json!({ "type": "array", "items": { "type": "string" } }),
         Kind::Numbers => json!({ "type": "array", "items": { "type": "number" } }),
         Kind::Triple => fixed(3, &json!({ "type": "number" })),
+        Kind::Points => json!({ "type": "array", "items": fixed(3, &json!({ "type": "number" })) }),
         Kind::Colors => {
             let part = json!({ "type": "integer", "minimum": 0, "maximum": 255 });
             json!({ "type": "array", "items": fixed(3, &part) })

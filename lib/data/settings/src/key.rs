@@ -375,6 +375,12 @@ impl Value for String {
     }
 }
 
+impl Value for Option<String> {
+    fn read(section: &Section<'_>, name: &Name, _: &Self) -> Self {
+        section.optional_text(name.key, name.absent, name.doc)
+    }
+}
+
 impl Value for Vec<String> {
     fn read(section: &Section<'_>, name: &Name, default: &Self) -> Self {
         section.texts(name.key, default, name.doc)
@@ -384,6 +390,12 @@ impl Value for Vec<String> {
 impl Value for [f64; 3] {
     fn read(section: &Section<'_>, name: &Name, default: &Self) -> Self {
         section.triple(name.key, *default, name.doc)
+    }
+}
+
+impl Value for Vec<[f64; 3]> {
+    fn read(section: &Section<'_>, name: &Name, _: &Self) -> Self {
+        section.points(name.key, name.absent, name.doc).unwrap_or_default()
     }
 }
 

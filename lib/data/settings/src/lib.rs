@@ -47,7 +47,7 @@ mod weather;
 mod world;
 mod yaml;
 
-pub use agents::{AgentSettings, GivenRsu, GivenStart, SpawnMode};
+pub use agents::{AgentSettings, GivenRoute, GivenRsu, GivenStart, SpawnMode};
 pub use annotation::AnnotationSettings;
 pub use bev::{BevRule, BevSettings};
 pub use camera::{CameraSettings, CameraSpec};

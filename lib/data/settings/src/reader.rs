@@ -468,6 +468,17 @@ impl<'a> Section<'a> {
         })
     }
 
+    /// A string, or nothing; `absent` says what happens then.
+    pub(crate) fn optional_text(&self, key: &str, absent: &str, doc: &str) -> Option<String> {
+        self.note(key, Kind::Text, Absent::Words(absent.to_owned()), doc);
+        let found = self.get(key)?;
+        let text = found.value.get_ref().as_str().map(str::to_owned);
+        if text.is_none() {
+            self.wrong_type(key, found, "a string");
+        }
+        text
+    }
+
     /// One of some words.
     pub(crate) fn choice<T: Copy>(&self, key: &str, options: &[(&str, T)], default: usize, doc: &str) -> T {
         let words: Vec<String> = options.iter().map(|(word, _)| (*word).to_owned()).collect();
@@ -510,6 +521,16 @@ impl<'a> Section<'a> {
             self.fault_at(key, format!("`{}` has {} numbers, expected three", self.full(key), numbers.len()));
             default
         })
+    }
+
+    /// Points, or nothing; `absent` says what happens then.
+    pub(crate) fn points(&self, key: &str, absent: &str, doc: &str) -> Option<Vec<[f64; 3]>> {
+        self.note(key, Kind::Points, Absent::Words(absent.to_owned()), doc);
+        let point = |v: &DeValue<'_>| -> Option<[f64; 3]> {
+            let numbers: Option<Vec<f64>> = v.as_array()?.iter().map(|n| as_number(n.get_ref())).collect();
+            numbers?.try_into().ok()
+        };
+        self.items(key, "a list of points, each [x, y, z]", point)
     }
 
     /// Colours, each three integers 0 to 255.

@@ -138,7 +138,8 @@ fn places_without_scenes(root: &Section<'_>, all: &DatasetSettings) {
     let agents = root.section("agents", "");
     let starts: Vec<&String> = all.scenario.agents.starts.iter().map(|start| &start.map).collect();
     let rsus: Vec<&String> = all.scenario.agents.rsus_at.iter().map(|rsu| &rsu.map).collect();
-    for (key, maps) in [("starts", starts), ("rsus_at", rsus)] {
+    let routes: Vec<&String> = all.scenario.agents.routes.iter().map(|route| &route.map).collect();
+    for (key, maps) in [("starts", starts), ("rsus_at", rsus), ("routes", routes)] {
         let sections = agents.sections(key, "", "").unwrap_or_default();
         for (section, map) in sections.iter().zip(maps) {
             let is_there = |wish: &str| map_name(wish) == map_name(map);

@@ -51,19 +51,23 @@ pub(crate) fn cluster_radius_m(spacing_m: f64, count: usize) -> f64 {
     if count < 2 { spacing_m } else { spacing_m / sin(PI / count as f64) }
 }
 
-/// Chooses `count` starts from the pool, clustered or chained, none overlapping another.
+/// Chooses `count` starts, clustered or chained, none overlapping another: those that are given, then others
+/// from the pool.
 pub(crate) fn place_vehicles(
     map: &Map,
     pool: &SpawnPool,
     settings: &AgentSettings,
     models: &[&Model],
     mode: SpawnMode,
-    count: usize,
+    (count, given): (usize, Vec<SpawnPoint>),
     stream: &mut Stream,
 ) -> Placement {
-    let mut placement =
-        Placement { mode, starts: Vec::new(), pivots: Vec::new(), reach_m: 0.0, warnings: Vec::new() };
-    let wanted = count.min(pool.points.len());
+    let count = count.max(given.len());
+    let wanted = count.min(given.len() + pool.points.len());
+    let pivots =
+        if mode == SpawnMode::Chained { given.iter().map(|start| start.xyz_m).collect() } else { Vec::new() };
+    let given_centre = given.first().copied();
+    let mut placement = Placement { mode, starts: given, pivots, reach_m: 0.0, warnings: Vec::new() };
     let points = &pool.points;
     let mut dropped = 0;
     if mode == SpawnMode::Chained {
@@ -89,7 +93,7 @@ pub(crate) fn place_vehicles(
                 None => dropped += 1,
             }
         }
-    } else if let Some(centre) = stream.choose(points) {
+    } else if let Some(centre) = given_centre.as_ref().or_else(|| stream.choose(points)) {
         let spacing = settings.clustered_spawn_distance_m;
         let radius = cluster_radius_m(spacing, wanted);
         let near: Vec<usize> =

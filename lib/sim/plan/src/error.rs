@@ -51,6 +51,39 @@ pub enum PlanError {
         /// How far away a lane may be, metres.
         reach_m: f64,
     },
+    /// A track of a file that no actor can be on.
+    #[error("{file} (agents.trajectories): {place}: {problem}")]
+    Trajectory {
+        /// The file, as it is written.
+        file: String,
+        /// Scene, actor and frame.
+        place: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A route that cannot be driven.
+    #[error("agents.routes: the route of {agent} on map `{map}`: {problem}")]
+    Route {
+        /// Map name.
+        map: String,
+        /// Whose route it is.
+        agent: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// Vehicles with given ways are not the first ones.
+    #[error(
+        "scene {scene}: {given} has a route or a trajectory, and {missing} has none: those who have are the first vehicles, \
+         numbered from 0, each by one of the two"
+    )]
+    NotFirst {
+        /// The scene.
+        scene: u32,
+        /// One that has.
+        given: schema::AgentId,
+        /// One that has not, or has both.
+        missing: schema::AgentId,
+    },
     /// A vehicle model that the catalogue does not have.
     #[error("agents.vehicle_models: `{model}` is no vehicle of the catalogue")]
     UnknownModel {

@@ -17,18 +17,22 @@
 mod agents;
 mod error;
 mod given_rsus;
+mod given_ways;
 mod hazards;
 mod lights;
 mod pool;
 mod roster;
+mod routes;
 mod scene;
 pub mod suspicions;
 mod timing;
+mod tracks;
 mod weather;
 
 pub use error::PlanError;
 pub use pool::{SpawnPoint, SpawnPool};
 pub use roster::{Roster, SceneSlot, enrol, scene_slots};
-pub use scene::{Plan, PlanMap, PlannedScene, plan, plan_scene, plan_slots};
+pub use scene::{Plan, PlanMap, PlanSources, PlannedScene, plan, plan_scene, plan_slots};
 pub use timing::{background_radius_m, draw_duration_s, frame_count};
+pub use tracks::{Track, TrackFiles, TrackPose};
 pub use weather::{PlannedWeather, draw_weather, plan_weather};

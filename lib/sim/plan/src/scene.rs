@@ -5,18 +5,22 @@ use std::collections::BTreeMap;
 use catalogue::Catalogue;
 use opendrive::Map;
 use random::Stream;
-use schema::tables::{PlanAgentRow, PlanHazardRow, PlanSceneRow, PlanWeatherRow};
+use schema::tables::{
+    PlanAgentRow, PlanHazardRow, PlanRouteRow, PlanSceneRow, PlanTrajectoryRow, PlanWeatherRow,
+};
 use settings::SpawnMode;
 use settings::stages::PlanSettings;
 
 use crate::PlanError;
 use crate::agents::{place_rsus, place_vehicles, vehicle_models, vehicle_rows};
 use crate::given_rsus::oddities;
+use crate::given_ways::GivenWays;
 use crate::hazards::{Surroundings, plan_hazards};
 use crate::lights::plan_lights;
 use crate::pool::SpawnPool;
 use crate::roster::{SceneSlot, scene_slots};
 use crate::timing::{background_radius_m, draw_duration_s, frame_count};
+use crate::tracks::TrackFiles;
 use crate::weather::plan_weather;
 
 /// A map to plan on.
@@ -39,6 +43,10 @@ pub struct Plan {
     pub hazards: Vec<PlanHazardRow>,
     /// One row per keyframe of the weather within a scene, by scene and time.
     pub weather: Vec<PlanWeatherRow>,
+    /// One row per place of a given route, by scene and agent.
+    pub routes: Vec<PlanRouteRow>,
+    /// One row per actor on a given trajectory and frame, by scene.
+    pub trajectories: Vec<PlanTrajectoryRow>,
     /// What could not be had as wished, with scene and map.
     pub warnings: Vec<String>,
 }
@@ -54,20 +62,33 @@ pub struct PlannedScene {
     pub hazards: Vec<PlanHazardRow>,
     /// Keyframes of its weather, by time.
     pub weather: Vec<PlanWeatherRow>,
+    /// Places of given routes, by agent.
+    pub routes: Vec<PlanRouteRow>,
+    /// Actors on given trajectories, agents first, frame by frame.
+    pub trajectories: Vec<PlanTrajectoryRow>,
     /// What could not be had as wished.
     pub warnings: Vec<String>,
 }
 
-/// Plans a new dataset with the built-in models.
+/// What scenes are planned from besides settings and maps.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanSources<'a> {
+    /// The models that there are.
+    pub catalogue: &'a Catalogue,
+    /// Trajectories, by the name of their file.
+    pub tracks: &'a TrackFiles,
+}
+
+/// Plans a new dataset with the built-in models and no trajectories.
 ///
 /// # Errors
 /// When a map is missing or has no place for vehicles, or a setting cannot be followed.
 pub fn plan(settings: &PlanSettings, maps: &BTreeMap<String, PlanMap>) -> Result<Plan, PlanError> {
-    plan_slots(settings, &scene_slots(settings)?, maps, Catalogue::built_in())
+    let sources = PlanSources { catalogue: Catalogue::built_in(), tracks: &TrackFiles::new() };
+    plan_slots(settings, &scene_slots(settings)?, maps, &sources)
 }
 
-/// Plans the scenes of a roster, each by the settings of its edition and group, with the models of a
-/// catalogue.
+/// Plans the scenes of a roster, each by the settings of its edition and group.
 ///
 /// # Errors
 /// As [`plan`].
@@ -75,7 +96,7 @@ pub fn plan_slots(
     settings: &PlanSettings,
     slots: &[SceneSlot],
     maps: &BTreeMap<String, PlanMap>,
-    catalogue: &Catalogue,
+    sources: &PlanSources<'_>,
 ) -> Result<Plan, PlanError> {
     // By map and spacing, as its bits.
     let mut pools: BTreeMap<(&str, u64), SpawnPool> = BTreeMap::new();
@@ -93,11 +114,13 @@ pub fn plan_slots(
         let pool = pools
             .entry((name, separation_m.to_bits()))
             .or_insert_with(|| SpawnPool::new(&map.map, separation_m));
-        let planned = plan_scene(settings, slot, map, pool, catalogue)?;
+        let planned = plan_scene(settings, slot, map, pool, sources)?;
         plan.scenes.push(planned.scene);
         plan.agents.extend(planned.agents);
         plan.hazards.extend(planned.hazards);
         plan.weather.extend(planned.weather);
+        plan.routes.extend(planned.routes);
+        plan.trajectories.extend(planned.trajectories);
         plan.warnings.extend(planned.warnings);
     }
     Ok(plan)
@@ -154,8 +177,9 @@ pub fn plan_scene(
     slot: &SceneSlot,
     map: &PlanMap,
     pool: &SpawnPool,
-    catalogue: &Catalogue,
+    sources: &PlanSources<'_>,
 ) -> Result<PlannedScene, PlanError> {
+    let catalogue = sources.catalogue;
     check_pool(pool, &slot.map)?;
     let models = vehicle_models(&settings.agents, catalogue)?;
     let number = slot.scene;
@@ -168,6 +192,8 @@ pub fn plan_scene(
 
     let AgentCounts { vehicles, rsus, mode } = draw_counts(settings, &mut stream("plan/counts", 0))?;
 
+    let frames = frame_count(duration_s);
+    let ways = GivenWays::new(settings, slot, &map.map, pool, (sources, frames))?;
     let given: Vec<_> = settings.agents.starts.iter().filter(|start| start.map == slot.map).collect();
     let given = SpawnPool::of_starts(&map.map, given.into_iter())?;
     let mut placement = place_vehicles(
@@ -176,11 +202,12 @@ pub fn plan_scene(
         &settings.agents,
         &models,
         mode,
-        vehicles,
+        (vehicles, ways.starts()),
         &mut stream("plan/vehicles", 0),
     );
     let mut agents =
         vehicle_rows(settings, number, &models, &placement, |vehicle| stream("plan/driver", vehicle));
+    ways.own_models(&mut agents);
     let given: Vec<_> = settings.agents.rsus_at.iter().filter(|rsu| rsu.map == slot.map).collect();
     agents.extend(place_rsus(&map.map, &given, &mut placement, number, rsus, &mut stream("plan/rsus", 0)));
 
@@ -216,7 +243,7 @@ pub fn plan_scene(
         map_hash: map.hash.clone(),
         seed: seed.wrapping_add(u64::from(number)),
         duration_s,
-        frames: frame_count(duration_s),
+        frames,
         warmup_s,
         spawn_mode: mode.name().into(),
         dynamic_weather: weather.is_dynamic,
@@ -236,5 +263,7 @@ pub fn plan_scene(
     let between = weather.between.iter();
     let weather =
         between.map(|(at_s, w)| PlanWeatherRow { scene: number, at_s: *at_s, weather: w.to_array() });
-    Ok(PlannedScene { scene, agents, hazards, weather: weather.collect(), warnings })
+    let routes = ways.route_rows(&map.map, number);
+    let (weather, trajectories) = (weather.collect(), ways.trajectories.concat());
+    Ok(PlannedScene { scene, agents, hazards, weather, routes, trajectories, warnings })
 }

@@ -27,6 +27,8 @@ pub(crate) struct Activation {
     pub(crate) distance_m: f64,
     /// The first so many vehicles are agents, which never sleep.
     pub(crate) agents: usize,
+    /// Where the agents on given trajectories are.
+    pub(crate) given: Vec<Point3<f64>>,
 }
 
 impl Activation {
@@ -36,7 +38,8 @@ impl Activation {
     }
 
     fn agents(&self, vehicles: &[Vehicle]) -> Vec<Point3<f64>> {
-        vehicles.iter().take(self.agents).map(|v| v.motion().position()).collect()
+        let driving = vehicles.iter().take(self.agents).map(|v| v.motion().position());
+        driving.chain(self.given.iter().copied()).collect()
     }
 
     /// Whether a place is far from all agents; nobody is where there are none.

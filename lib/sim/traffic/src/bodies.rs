@@ -39,6 +39,8 @@ pub(crate) enum Owner {
     Obstacle(u32),
     /// Any parked vehicle.
     Parked,
+    /// An actor on a given trajectory, by its index.
+    Given(u32),
 }
 
 impl Owner {
@@ -48,6 +50,7 @@ impl Owner {
             Self::Walker(i) => (1, i),
             Self::Obstacle(i) => (2, i),
             Self::Parked => (3, 0),
+            Self::Given(i) => (4, i),
         };
         kind << 32 | u128::from(index)
     }
@@ -58,6 +61,7 @@ impl Owner {
             0 => Self::Vehicle(index),
             1 => Self::Walker(index),
             2 => Self::Obstacle(index),
+            4 => Self::Given(index),
             _ => Self::Parked,
         }
     }

@@ -21,6 +21,16 @@ pub enum TrafficError {
         /// Model name.
         model: String,
     },
+    /// The model of an actor on a given trajectory is not in the catalogue.
+    #[error("scene {scene}, {actor}: there is no model `{model}`")]
+    UnknownGivenModel {
+        /// Scene number.
+        scene: u32,
+        /// Whose it is.
+        actor: String,
+        /// Model name.
+        model: String,
+    },
     /// A number of the plan that cannot be followed.
     #[error("scene {scene}: {field} is {value}")]
     BadPlan {

@@ -10,7 +10,8 @@ use opendrive::Map;
 use schema::ObjectId;
 use schema::scene_info::{DriverInfo, HazardInfo, SignalGroupInfo};
 use schema::tables::{
-    ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanSceneRow, PlanWeatherRow, SignalRow, StateRow,
+    ActorRow, FrameRow, PlanAgentRow, PlanHazardRow, PlanRouteRow, PlanSceneRow, PlanTrajectoryRow,
+    PlanWeatherRow, SignalRow, StateRow,
 };
 use schema::tile::TileIndex;
 use settings::stages::SimulationSettings;
@@ -52,6 +53,8 @@ use settings::stages::SimulationSettings;
 ///     agents: &[agent],
 ///     hazards: &[],
 ///     weather: &[],
+///     routes: &[],
+///     trajectories: &[],
 ///     settings: &SimulationSettings::default(),
 ///     fixed: &Vec::new(),
 ///     first_id: 1,
@@ -76,6 +79,10 @@ pub struct SceneInput<'a> {
     pub hazards: &'a [PlanHazardRow],
     /// Keyframes of its weather between its beginning and its end, by time.
     pub weather: &'a [PlanWeatherRow],
+    /// Places on given routes of agents, by agent, in order.
+    pub routes: &'a [PlanRouteRow],
+    /// Actors on given trajectories, frame by frame: agents, then others.
+    pub trajectories: &'a [PlanTrajectoryRow],
     /// The dataset's settings (traffic, walkers, lights, hazards).
     pub settings: &'a SimulationSettings,
     /// Objects that never move. Those of kind `traffic_light` with an `opendrive_id` get signal states; those

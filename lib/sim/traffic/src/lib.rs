@@ -17,6 +17,7 @@ mod bends;
 mod bodies;
 mod car_following;
 mod error;
+mod given;
 mod grid;
 mod hazards;
 mod input;

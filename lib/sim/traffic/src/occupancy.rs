@@ -1,6 +1,6 @@
 //! The vehicles and obstacles on lanes, and which is ahead and behind.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use crate::car_following::time_s;
 use crate::road::kerbside::Kerbside;
@@ -29,14 +29,16 @@ const LONGEST_HALF_M: f64 = 7.0;
 const REACHES_M: f64 = 0.3;
 
 /// In place of the index of a vehicle: a thing that stands in a hazard.
-const STANDING: usize = usize::MAX;
+pub(crate) const STANDING: usize = usize::MAX;
+/// The same of a vehicle on a given trajectory, which goes on and gives way to nobody.
+pub(crate) const GIVEN: usize = usize::MAX - 1;
 /// Things shorter than this are looked at in their middle only, metres.
 const SHORT_M: f64 = 1.0;
 
 /// Whether what is on a lane is a wreck or another thing that nobody drives away, or somebody who cannot get
 /// past one.
 pub(crate) fn is_stranded(vehicles: &[Vehicle], who: usize) -> bool {
-    vehicles.get(who).is_none_or(|v| v.is_crashed() || v.lane_choice().is_boxed_in())
+    who != GIVEN && vehicles.get(who).is_none_or(|v| v.is_crashed() || v.lane_choice().is_boxed_in())
 }
 
 /// Onwards or backwards along lanes.
@@ -115,7 +117,7 @@ fn footprint(
     let mut spots = Vec::new();
     for part in parts {
         let off = part * half_length;
-        let point = at + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
+        let point = at + Vector3::new(cos * off, sin * off, 0.0);
         for (lane, along_m) in net.lanes_at(&point, half_width - 0.4) {
             let half_length_m = half_width.max(0.25 * half_length);
             let (behind_m, speed_mps) = (0.0, 0.0);
@@ -160,6 +162,23 @@ impl Occupancy {
         self.walkers[lane].push(walker);
     }
 
+    /// Puts a body that moves on the lanes under it for this step: middle, yaw and size, velocity, who it is,
+    /// and what drivers take it for.
+    pub(crate) fn add_body(
+        &mut self,
+        net: &Net,
+        place: (&Point3<f64>, f64, [f64; 3]),
+        velocity_mps: Vector3<f64>,
+        who: usize,
+        class: Class,
+    ) {
+        for (lane, spot) in footprint(net, place, who, class) {
+            let (sin, cos) = frames::math::sin_cos(net.lanes[lane].centre.place(spot.along_m).heading_rad);
+            let speed_mps = (velocity_mps.x * cos + velocity_mps.y * sin).max(0.0);
+            self.add_vehicle(lane, Occupant { speed_mps, ..spot });
+        }
+    }
+
     /// Puts things on the lanes under them, until told anew: middle, yaw and size of each, and what drivers
     /// take it for.
     pub(crate) fn stand(
@@ -199,8 +218,7 @@ impl Occupancy {
                     // Its middle, and its ends: it stands askew.
                     for (part, half_length_m) in [(0.0, half_length_m), (-1.0, END_M), (1.0, END_M)] {
                         let off = part * (vehicle.half_length_m() - END_M).max(0.0);
-                        let point =
-                            vehicle.motion().position() + nalgebra::Vector3::new(cos * off, sin * off, 0.0);
+                        let point = vehicle.motion().position() + Vector3::new(cos * off, sin * off, 0.0);
                         for (lane, along_m) in net.lanes_at(&point, margin_m) {
                             if lane != vehicle.route().lane()
                                 && net.lanes[lane].beside.iter().any(Option::is_some)
@@ -243,7 +261,7 @@ impl Occupancy {
         self.add_vehicle(own, Occupant { along_m, ..spot });
         for part in [-0.45, -0.15, 0.15, 0.45] {
             let off_m = part * length_m;
-            let point = towed.position() + nalgebra::Vector3::new(cos * off_m, sin * off_m, 0.0);
+            let point = towed.position() + Vector3::new(cos * off_m, sin * off_m, 0.0);
             for (lane, along_m) in net.lanes_at(&point, 0.5 * width_m - REACHES_M) {
                 if lane != own && net.lanes[lane].beside.iter().any(Option::is_some) {
                     let (half_length_m, behind_m) = (0.15 * length_m, behind_m - off_m);

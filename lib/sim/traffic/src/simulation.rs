@@ -5,11 +5,10 @@ use std::ops::ControlFlow;
 
 use frames::{LocalOrigin, Object, Pose, World};
 use nalgebra::Point3;
-use random::Stream;
 use schema::footprint::footprint;
-use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanSceneRow, SignalRow, StateRow};
+use schema::tables::{ActorRow, FrameRow, PlanSceneRow, SignalRow, StateRow};
 use schema::tile::TileIndex;
-use schema::{ActorRole, AgentKind, FRAME_PERIOD_S, ObjectId};
+use schema::{FRAME_PERIOD_S, ObjectId};
 
 use crate::acceleration::wished_acceleration;
 use crate::activation::Activation;
@@ -17,18 +16,19 @@ use crate::bends::Bends;
 use crate::bodies::{Bodies, Hit, Owner};
 use crate::car_following::{COMFORT_BRAKING, MAX_ACCELERATION, MAX_BRAKING};
 use crate::error::TrafficError;
-use crate::hazards::{Hazards, Obstacle, Obstacles};
+use crate::given::GivenActors;
+use crate::hazards::{Obstacle, Obstacles};
 use crate::input::{SceneInput, SimulationLog};
 use crate::junction::right_of_way::{Junctions, RightOfWay};
 use crate::lane_change::change_lanes;
 use crate::occupancy::Occupancy;
 use crate::road::net::Net;
 use crate::road::signals::Signals;
+use crate::scene::initial_actors::InitialActors;
 use crate::scene::log::{log_towed, log_vehicles, log_walkers, vehicle_lamps, weather_lamps};
-use crate::scene::placing::{ActorIds, Streets, add_parked, lamps, place_vehicles, place_walkers};
+use crate::scene::placing::{Streets, add_parked, lamps, place_vehicles, place_walkers};
 use crate::scene::rolling::set_rolling;
 use crate::scene::rows::Snapshot;
-use crate::scene::spawn::{Start, vehicle_starts};
 use crate::swept_path::SweptPaths;
 use crate::vehicle::Vehicle;
 use crate::vehicle::activity::Activity;
@@ -80,14 +80,14 @@ pub fn simulate(
             value: warmup.to_string(),
         });
     }
-    let mut simulation = Simulation::new(input)?;
     // Frame -1 is the state one step before frame 0, so at least one step comes first.
     let lead = ((warmup / FRAME_PERIOD_S).round() as usize).max(1);
+    let mut simulation = Simulation::new(input, lead)?;
     let total = lead + (scene.frames as usize).saturating_sub(1);
     for done in 0..=total {
         if done > 0 {
             simulation.step(done as u32 - 1);
-            simulation.meet_fixed()?;
+            simulation.meet_fixed(done as i32 - lead as i32)?;
         }
         if done + 1 >= lead {
             simulation.record(done as i32 - lead as i32);
@@ -122,6 +122,9 @@ struct Simulation<'a> {
     fixtures: Fixtures,
     vehicles: Vec<Vehicle>,
     walkers: Vec<Walker>,
+    given: GivenActors,
+    /// Frame 0 is so many steps after the start.
+    lead: usize,
     vehicle_ids: Vec<ObjectId>,
     walker_ids: Vec<ObjectId>,
     towed_ids: Vec<ObjectId>,
@@ -144,49 +147,8 @@ struct Simulation<'a> {
     log: SimulationLog,
 }
 
-/// The actors of a scene before they have bodies.
-struct InitialActors<'a> {
-    starts: Vec<Start>,
-    rsus: Vec<&'a PlanAgentRow>,
-    hazards: Hazards,
-    /// Where agents start.
-    agents: Vec<Point3<f64>>,
-    /// Number, sidewalk and place on it of each walker.
-    walkers: Vec<(usize, usize, f64)>,
-    ids: ActorIds,
-}
-
-impl<'a> InitialActors<'a> {
-    fn draw(
-        input: &'a SceneInput<'a>,
-        fixed: &[ActorRow],
-        net: &Net,
-        paths: &Paths,
-    ) -> Result<Self, TrafficError> {
-        let scene = input.scene;
-        let (starts, hazards) = vehicle_starts(input, fixed, net)?;
-        let agents =
-            starts.iter().filter(|s| s.role != ActorRole::Background).map(|s| s.point).collect::<Vec<_>>();
-        let rsus: Vec<_> = input.agents.iter().filter(|a| a.agent.kind == AgentKind::Rsu).collect();
-        let walkers = paths.draw_starts(scene.walkers, &agents, scene.spawn_radius_m, &|i| {
-            Stream::new(scene.seed, u64::from(scene.scene), "traffic/walker/place", i)
-        });
-        let background = starts.len() - agents.len();
-        let towed = starts.iter().filter(|start| start.towed.is_some()).count();
-        let counts = [agents.len(), rsus.len(), background, walkers.len(), hazards.things.len(), towed];
-        let ids = ActorIds::new(input, counts)?;
-        Ok(Self { starts, rsus, hazards, agents, walkers, ids })
-    }
-
-    /// Rows of the objects in hazards.
-    fn hazard_actors(&self) -> Vec<ActorRow> {
-        let things = self.ids.hazards.iter().zip(&self.hazards.things);
-        things.map(|(id, thing)| thing.actor(*id)).collect()
-    }
-}
-
 impl<'a> Simulation<'a> {
-    fn new(input: &'a SceneInput<'a>) -> Result<Self, TrafficError> {
+    fn new(input: &'a SceneInput<'a>, lead: usize) -> Result<Self, TrafficError> {
         let (map, scene) = (input.map, input.scene);
         let net = Net::new(map);
         if net.lanes.is_empty() {
@@ -197,17 +159,23 @@ impl<'a> Simulation<'a> {
         let mut tiles = BTreeSet::new();
         let planned: Vec<Point3<f64>> = input.agents.iter().map(|a| a.xyz_m.into()).collect();
         let fixed = near(input, &planned, &mut tiles)?;
-        let initial = InitialActors::draw(input, &fixed, &net, &paths)?;
+        let first_frame = -(lead as i32);
+        let initial = InitialActors::draw(input, first_frame, &fixed, &net, &paths)?;
         let routes = Routes::new(&paths, &initial.agents, destination_radius_m(scene, net.extent_m()));
         let mut log = SimulationLog { signal_groups: signals.groups(map), ..SimulationLog::default() };
-        log_vehicles(&mut log, &initial.ids, &initial.starts, &initial.rsus);
-
-        // Bodies are made in this order: vehicles, the objects in hazards, walkers, parked vehicles.
+        // Bodies are made in this order: vehicles, the objects in hazards, walkers, parked vehicles; those of
+        // actors on given trajectories first.
         let middle = initial.agents.first().map_or([0.0; 3], |p| (*p).into());
         let mut bodies = Bodies::new(LocalOrigin::near(middle));
+        let in_hazards = initial.hazard_actors();
+        let mut given = initial.given;
+        let [agent_ids, other_ids] = &initial.ids.given;
+        given.embody(&mut bodies, first_frame, [agent_ids, other_ids]);
+        let [given_agents, given_others] = given.actor_rows();
+        log.actors.extend(given_agents);
+        log_vehicles(&mut log, &initial.ids, &initial.starts, &initial.rsus);
         let mut right_of_way = RightOfWay::new(net.lanes.len());
         let vehicles = place_vehicles(&net, &initial.starts, input, &mut bodies, &mut right_of_way);
-        let in_hazards = initial.hazard_actors();
         let in_the_way = fixed.iter().chain(log.actors.iter().filter(|a| a.fixed));
         let mut fixtures = Fixtures::default();
         in_the_way.filter_map(footprint).for_each(|place| {
@@ -216,11 +184,19 @@ impl<'a> Simulation<'a> {
         let ids = initial.ids;
         let standing = Obstacles::new(&ids.hazards, initial.hazards.things, &mut bodies, &mut fixtures);
         let waiting = WaitingPlaces::new(&paths, &fixed);
-        let streets = Streets { paths: &paths, routes: &routes, fixtures: &fixtures, waiting: &waiting };
+        let streets = Streets {
+            paths: &paths,
+            routes: &routes,
+            fixtures: &fixtures,
+            waiting: &waiting,
+            given: &given,
+            frame: first_frame,
+        };
         let walkers = place_walkers(input, &streets, &initial.walkers, &mut bodies);
         log_walkers(&mut log, &ids, &walkers);
         log.actors.extend(in_hazards);
         log_towed(&mut log, &ids, &initial.starts);
+        log.actors.extend(given_others);
         log.hazards = initial.hazards.placed;
         let mut occupancy = Occupancy::new(net.lanes.len());
         add_parked(&fixed, &net, &mut occupancy.kerbside, &mut bodies);
@@ -231,7 +207,8 @@ impl<'a> Simulation<'a> {
             bends: Bends::new(&net, vehicles.len()),
             activation: Activation {
                 distance_m: input.settings.traffic.active_distance_m,
-                agents: initial.agents.len(),
+                agents: ids.agents.len(),
+                given: given.agents_at(first_frame),
             },
             sweeps: SweptPaths::new(),
             standing,
@@ -245,6 +222,8 @@ impl<'a> Simulation<'a> {
             fixtures,
             vehicles,
             walkers: walkers.into_iter().map(|(walker, _)| walker).collect(),
+            given,
+            lead,
             vehicle_ids: [ids.agents, ids.background].concat(),
             walker_ids: ids.walkers,
             towed_ids: ids.towed,
@@ -254,8 +233,9 @@ impl<'a> Simulation<'a> {
         };
         simulation.see_standing();
         if input.settings.traffic.moving_start {
-            let Self { net, occupancy, bends, vehicles, .. } = &mut simulation;
-            set_rolling(net, occupancy, bends, vehicles);
+            let Self { net, occupancy, bends, vehicles, given, .. } = &mut simulation;
+            let mark = |occupancy: &mut Occupancy| given.mark(net, occupancy, first_frame);
+            set_rolling(net, occupancy, bends, vehicles, &mark);
         } else {
             simulation.bends.start(&simulation.net, &mut simulation.vehicles);
         }
@@ -273,12 +253,15 @@ impl<'a> Simulation<'a> {
 
     /// One step of time, from `step` to `step + 1`.
     fn step(&mut self, step: u32) {
+        let frame = step as i32 - self.lead as i32;
         self.remember();
         let time_s = f64::from(step) * FRAME_PERIOD_S;
-        self.perceive(step);
+        self.perceive(step, frame);
         let wishes = self.wishes(step, time_s);
+        self.given.add_vehicles(&mut self.sweeps, frame);
         self.drive(&wishes);
-        self.walk(time_s);
+        self.given.drive(&mut self.bodies, frame + 1);
+        self.walk(time_s, frame);
         self.standing.skid(&mut self.bodies);
         self.bodies.step();
         self.take_hits();
@@ -288,9 +271,10 @@ impl<'a> Simulation<'a> {
     }
 
     /// Takes in what stands where agents came near.
-    fn meet_fixed(&mut self) -> Result<(), TrafficError> {
+    fn meet_fixed(&mut self, frame: i32) -> Result<(), TrafficError> {
         let agents = self.vehicles[..self.activation.agents].iter().map(|v| v.motion().position());
-        let places: Vec<Point3<f64>> = agents.chain(self.rsus.iter().copied()).collect();
+        let given = self.given.agents_at(frame);
+        let places: Vec<Point3<f64>> = agents.chain(self.rsus.iter().copied()).chain(given).collect();
         let fixed = near(self.input, &places, &mut self.tiles)?;
         if !fixed.is_empty() {
             add_parked(&fixed, &self.net, &mut self.occupancy.kerbside, &mut self.bodies);
@@ -304,8 +288,9 @@ impl<'a> Simulation<'a> {
 
     /// Updates perception: which vehicles are active, what drivers overlook, which vehicles are on the lanes
     /// or about to be.
-    fn perceive(&mut self, step: u32) {
+    fn perceive(&mut self, step: u32, frame: i32) {
         if Activation::is_due(step) {
+            self.activation.given = self.given.agents_at(frame);
             let reservations = self.right_of_way.reservations();
             self.activation.update(
                 &self.net,
@@ -320,12 +305,14 @@ impl<'a> Simulation<'a> {
             vehicle.perceive(step);
         }
         self.occupancy.fill(&self.net, &self.vehicles);
+        self.given.mark(&self.net, &mut self.occupancy, frame);
         change_lanes(&self.net, &mut self.occupancy, &mut self.vehicles, step);
         self.sweeps.clear();
         for walker in &self.walkers {
             walker.mark(&self.net, &mut self.occupancy);
             self.sweeps.add_walker(walker.position(), walker.radius_m());
         }
+        self.given.add_walkers(&mut self.sweeps, frame);
     }
 
     /// The accelerations that drivers wish for, as vehicles can, m/s2.
@@ -374,11 +361,12 @@ impl<'a> Simulation<'a> {
     }
 
     /// Moves the walkers, and tells their bodies where to be after the step.
-    fn walk(&mut self, time_s: f64) {
+    fn walk(&mut self, time_s: f64, frame: i32) {
         let mut crowd = Crowd::default();
         for walker in &self.walkers {
             crowd.add(walker.position(), walker.velocity_mps(), walker.radius_m());
         }
+        self.given.join(&mut crowd, frame);
         self.sweeps.settle();
         keep_together(&mut self.walkers);
         let surroundings = Surroundings {
@@ -422,7 +410,7 @@ impl<'a> Simulation<'a> {
                         }
                     }
                     Owner::Obstacle(i) => self.standing.hit(i),
-                    Owner::Parked => {}
+                    Owner::Parked | Owner::Given(_) => {}
                 }
             }
         }
@@ -449,6 +437,7 @@ impl<'a> Simulation<'a> {
     fn is_accident(&self, hit: &Hit) -> bool {
         let hurts = |owner: &Owner| match owner {
             Owner::Walker(_) => true,
+            Owner::Given(i) => self.given.is_person(*i),
             Owner::Obstacle(i) => self.standing.get(*i).is_some_and(Obstacle::is_person),
             _ => false,
         };
@@ -532,7 +521,8 @@ impl<'a> Simulation<'a> {
 
     /// The states of all that moves or has lamps, given the lamps that the weather asks for.
     fn states(&mut self, frame: i32, lamps: u32) -> Vec<StateRow> {
-        let mut rows: Vec<StateRow> = Vec::with_capacity(self.before.len());
+        let [mut rows, given] = self.given.states(frame, lamps);
+        rows.reserve(self.before.len() + given.len());
         for (i, vehicle) in self.vehicles.iter().enumerate() {
             let motion = vehicle.motion();
             let snapshot = Snapshot {
@@ -582,6 +572,7 @@ impl<'a> Simulation<'a> {
             };
             rows.push(snapshot.row(frame));
         }
+        rows.extend(given);
         rows
     }
 }

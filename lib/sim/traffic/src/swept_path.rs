@@ -179,19 +179,33 @@ impl SweptPaths {
 
     /// A vehicle that nobody drives: walkers keep out of it.
     pub(crate) fn add_wreck(&mut self, vehicle: &Vehicle) {
-        for (at, yaw_rad, size_m) in vehicle.sections() {
-            let here = Footprint::new(at, yaw_rad, size_m);
-            let reach_m = here.half_m[0] + here.half_m[1] + MINDED_M;
-            let mut beside = false;
-            for walker in self.grid.around(here.at.x, here.at.y) {
-                if (self.walkers[walker].0 - here.at).xy().norm() < reach_m {
-                    (self.minded[walker], beside) = (true, true);
-                }
-            }
-            if beside {
-                self.here.push(here);
+        vehicle.sections().for_each(|body| self.add_body(body));
+    }
+
+    /// A body, by its middle, yaw and size: walkers keep out of it.
+    pub(crate) fn add_body(&mut self, (at, yaw_rad, size_m): (Point3<f64>, f64, [f64; 3])) {
+        let here = Footprint::new(at, yaw_rad, size_m);
+        let reach_m = here.half_m[0] + here.half_m[1] + MINDED_M;
+        let mut beside = false;
+        for walker in self.grid.around(here.at.x, here.at.y) {
+            if (self.walkers[walker].0 - here.at).xy().norm() < reach_m {
+                (self.minded[walker], beside) = (true, true);
             }
         }
+        if beside {
+            self.here.push(here);
+        }
+    }
+
+    /// Where a body is going to be soon.
+    pub(crate) fn add_soon(&mut self, (at, yaw_rad, size_m): (Point3<f64>, f64, [f64; 3])) {
+        let soon = Footprint::new(at, yaw_rad, size_m);
+        for walker in self.grid.around(at.x, at.y) {
+            if (self.walkers[walker].0 - at).xy().norm() < soon.half_m[0] + soon.half_m[1] + MINDED_M {
+                self.minded[walker] = true;
+            }
+        }
+        self.soon.push(soon);
     }
 
     /// Metres that a vehicle can go on until it would touch a walker or something of a hazard of each class,

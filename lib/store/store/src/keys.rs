@@ -91,6 +91,10 @@ pub const PLAN_SCENES: &str = "plan/scenes.parquet";
 pub const PLAN_HAZARDS: &str = "plan/hazards.parquet";
 /// Keyframes of the weather.
 pub const PLAN_WEATHER: &str = "plan/weather.parquet";
+/// Routes that the user gave.
+pub const PLAN_ROUTES: &str = "plan/routes.parquet";
+/// Trajectories that the user gave.
+pub const PLAN_TRAJECTORIES: &str = "plan/trajectories.parquet";
 /// Models of packs.
 pub const PLAN_MODELS: &str = "plan/models.parquet";
 /// Planned agents.

@@ -25,6 +25,14 @@ impl Store {
         Ok(rows)
     }
 
+    /// All rows of a table that need not be there: none where the manifest does not name it.
+    ///
+    /// # Errors
+    /// As [`Store::read_rows`].
+    pub fn read_optional_rows<R: Row>(&self, manifest: &Manifest, key: &str) -> Result<Vec<R>, StoreError> {
+        if manifest.output(key).is_some() { self.read_rows(manifest, key) } else { Ok(Vec::new()) }
+    }
+
     /// A table that a manifest names, some rows at a time. Columns that the row type does not name are not
     /// read.
     ///

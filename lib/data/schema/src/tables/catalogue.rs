@@ -27,6 +27,8 @@ pub fn every_table() -> Vec<TableDoc> {
         describe_table::<PlanAgentRow>(),
         describe_table::<PlanHazardRow>(),
         describe_table::<PlanWeatherRow>(),
+        describe_table::<PlanRouteRow>(),
+        describe_table::<PlanTrajectoryRow>(),
         describe_table::<PlanModelRow>(),
         describe_table::<VectorMapRow>(),
         describe_table::<SurfaceRow>(),

@@ -7,7 +7,7 @@ use std::path::Path;
 fn configurations_on_pages_are_good() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../docs");
     let folder = tempfile::tempdir().expect("a folder");
-    for page in ["weather.md", "agents.md"] {
+    for page in ["weather.md", "agents.md", "trajectories.md"] {
         let text = fs::read_to_string(docs.join(page)).expect("the page is there");
         let blocks = text.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
         let blocks: Vec<&str> = blocks.collect();

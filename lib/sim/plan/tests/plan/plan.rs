@@ -5,7 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use catalogue::Catalogue;
 use nalgebra::Point3;
 use opendrive::{Cubic, Lane, LaneSection, LaneType, Map};
-use plan::{PlanError, PlanMap, SceneSlot, SpawnPool, plan, plan_scene, scene_slots};
+use plan::{
+    PlanError, PlanMap, PlanSources, SceneSlot, SpawnPool, TrackFiles, plan, plan_scene, scene_slots,
+};
 use proptest::prelude::*;
 use settings::stages::PlanSettings;
 use settings::{GivenRsu, GivenStart, SceneCount, SpawnMode, Split};
@@ -14,6 +16,12 @@ use testkit::{real_map, road, straight_road};
 fn settings(scenes: &[(Split, &str, u32)]) -> PlanSettings {
     let count = |&(split, map, count): &(Split, &str, u32)| SceneCount { split, map: map.into(), count };
     PlanSettings::with_scenes(scenes.iter().map(count).collect())
+}
+
+/// The built-in models, and no trajectories.
+fn built_in() -> PlanSources<'static> {
+    static NONE: TrackFiles = TrackFiles::new();
+    PlanSources { catalogue: Catalogue::built_in(), tracks: &NONE }
 }
 
 /// A straight road to the east with one lane each way.
@@ -114,7 +122,7 @@ fn a_scene_planned_alone_is_the_same() {
     for slot in scene_slots(&settings).expect("few scenes").iter().rev() {
         let map = &maps[&slot.map];
         let pool = SpawnPool::new(&map.map, settings.agents.spawn_separation_m);
-        let alone = plan_scene(&settings, slot, map, &pool, Catalogue::built_in()).expect("a scene");
+        let alone = plan_scene(&settings, slot, map, &pool, &built_in()).expect("a scene");
         assert_eq!(alone.scene, whole.scenes[slot.scene as usize]);
         let agents: Vec<_> = whole.agents.iter().filter(|a| a.scene == slot.scene).cloned().collect();
         assert_eq!(alone.agents, agents);
@@ -328,7 +336,7 @@ proptest! {
         let pool = SpawnPool::new(&map.map, 24.0);
         let slot =
             SceneSlot { scene: 5, split: Split::Val, map: "road".into(), draw: 0, edition: 0, group: String::new() };
-        let planned = plan_scene(&settings, &slot, &map, &pool, Catalogue::built_in()).expect("a scene");
+        let planned = plan_scene(&settings, &slot, &map, &pool, &built_in()).expect("a scene");
         let at = positions(&planned);
         prop_assert!(!at.is_empty() && at.len() <= count as usize);
         prop_assert_eq!(at.len() < count as usize, planned.warnings.iter().any(|w| w.contains(" vehicles: ")));

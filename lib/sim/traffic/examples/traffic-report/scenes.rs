@@ -161,6 +161,8 @@ impl Plan {
             agents: &agents,
             hazards: &hazards,
             weather: &[],
+            routes: &[],
+            trajectories: &[],
             settings: &settings,
             fixed: &fixed,
             first_id: fixed.len() as u16 + 1,

@@ -129,12 +129,15 @@ pub(crate) fn weather_lamps(weather: &Weather) -> u32 {
     lamps
 }
 
+/// Lamps of any vehicle, given those of the weather: brake lamps burn while it brakes or stands.
+pub(crate) fn actor_lamps(weather: u32, along_mps2: f64, speed_mps: f64) -> u32 {
+    let brakes = along_mps2 < -BRAKE_LAMP_MPS2 || speed_mps < 0.05;
+    if brakes { weather | lights::BRAKE } else { weather }
+}
+
 /// Lamps of a vehicle: those of the weather, brake lamps, blinkers before and in junctions, flashing lights.
 pub(crate) fn vehicle_lamps(net: &Net, vehicle: &Vehicle, weather: u32) -> u32 {
-    let mut lamps = weather;
-    if vehicle.motion().acceleration_mps2() < -BRAKE_LAMP_MPS2 || vehicle.speed_mps() < 0.05 {
-        lamps |= lights::BRAKE;
-    }
+    let mut lamps = actor_lamps(weather, vehicle.motion().acceleration_mps2(), vehicle.speed_mps());
     if vehicle.flashes() {
         lamps |= lights::EMERGENCY;
     }

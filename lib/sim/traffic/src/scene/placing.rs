@@ -11,6 +11,7 @@ use schema::{ActorKind, ActorRole, Attribute};
 
 use crate::bodies::{Bodies, Owner};
 use crate::error::TrafficError;
+use crate::given::GivenActors;
 use crate::input::SceneInput;
 use crate::junction::right_of_way::RightOfWay;
 use crate::road::kerbside::Kerbside;
@@ -19,6 +20,7 @@ use crate::scene::spawn::Start;
 use crate::vehicle::Vehicle;
 use crate::vehicle::doors::Doors;
 use crate::vehicle::driver::Driver;
+use crate::vehicle::given_route::GivenRoute;
 use crate::vehicle::motion::Motion;
 use crate::vehicle::motion::hitch;
 use crate::vehicle::route::Route;
@@ -70,7 +72,11 @@ pub(crate) fn place_vehicles(
     for (i, start) in starts.iter().enumerate() {
         let stream = |topic| Stream::new(scene.seed, u64::from(scene.scene), topic, i as u64);
         let driver = Driver::new(start.driver, traffic, stream("traffic/slip"));
-        let route = Route::new(start.lane, start.along_m, stream("traffic/route"));
+        let given = match start.role {
+            ActorRole::Agent(agent) => GivenRoute::of(net, input.map, input.routes, agent),
+            _ => None,
+        };
+        let route = Route::new(start.lane, start.along_m, stream("traffic/route")).over(given);
         let body = bodies.vehicle(&start.point, start.yaw_rad, start.model.size_m, Owner::Vehicle(i as u32));
         let at = net.lanes[start.lane].centre.place(start.along_m);
         let (route, towed) = match &start.towed {
@@ -107,6 +113,9 @@ pub(crate) struct Streets<'a> {
     pub(crate) routes: &'a Routes,
     pub(crate) fixtures: &'a Fixtures,
     pub(crate) waiting: &'a WaitingPlaces,
+    pub(crate) given: &'a GivenActors,
+    /// Of the moment when the scene begins.
+    pub(crate) frame: i32,
 }
 
 /// A walker as it is drawn, before it has a place.
@@ -155,12 +164,13 @@ pub(crate) fn place_walkers(
     places: &[(usize, usize, f64)],
     bodies: &mut Bodies,
 ) -> Vec<(Walker, bool)> {
-    let Streets { paths, routes, fixtures, waiting } = *streets;
+    let Streets { paths, routes, fixtures, waiting, given, frame } = *streets;
     let (scene, settings) = (input.scene, &input.settings.walkers);
     let stream = |topic, entity| Stream::new(scene.seed, u64::from(scene.scene), topic, entity);
     let catalogue = input.catalogue.walkers();
     let mut walkers: Vec<(Walker, bool)> = Vec::with_capacity(places.len());
     let mut crowd = Crowd::default();
+    given.join(&mut crowd, frame);
     let sizes = draw_sizes(places.len(), settings.in_groups, &|i| stream("traffic/walker/group", i));
     for size in sizes {
         let first = walkers.len();
@@ -247,19 +257,28 @@ pub(crate) struct ActorIds {
     pub(crate) walkers: Vec<ObjectId>,
     pub(crate) hazards: Vec<ObjectId>,
     pub(crate) towed: Vec<ObjectId>,
+    /// Agents on given trajectories, which come first, and the others, which come last.
+    pub(crate) given: [Vec<ObjectId>; 2],
 }
 
 impl ActorIds {
-    /// Numbers so many of each: agents, RSUs, background vehicles, walkers, things of hazards, what is towed.
-    pub(crate) fn new(input: &SceneInput<'_>, counts: [usize; 6]) -> Result<Self, TrafficError> {
-        let (first, wanted) = (input.first_id, counts.iter().sum());
+    /// Numbers so many of each: agents, RSUs, background vehicles, walkers, things of hazards, what is towed;
+    /// and of those on given trajectories agents and others.
+    pub(crate) fn new(
+        input: &SceneInput<'_>,
+        counts: [usize; 6],
+        given: [usize; 2],
+    ) -> Result<Self, TrafficError> {
+        let (first, wanted) = (input.first_id, counts.iter().chain(&given).sum());
         let last = usize::from(first) + wanted;
         if first == 0 || last > usize::from(ObjectId::MAX) + 1 {
             return Err(TrafficError::TooManyObjects { scene: input.scene.scene, wanted, first });
         }
         let mut all = (usize::from(first)..last).map(|id| id as ObjectId);
-        let [agents, rsus, background, walkers, hazards, towed] =
-            counts.map(|count| all.by_ref().take(count).collect());
-        Ok(Self { agents, rsus, background, walkers, hazards, towed })
+        let mut take = |count| all.by_ref().take(count).collect::<Vec<ObjectId>>();
+        let given_agents = take(given[0]);
+        let [agents, rsus, background, walkers, hazards, towed] = counts.map(&mut take);
+        let given = [given_agents, take(given[1])];
+        Ok(Self { agents, rsus, background, walkers, hazards, towed, given })
     }
 }

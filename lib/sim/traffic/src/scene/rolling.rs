@@ -27,8 +27,14 @@ fn following_mps(idm: &Idm, gap_m: f64, ahead_mps: f64) -> f64 {
 }
 
 /// Lets all vehicles roll that stand where they start; nobody has leave to pass a line yet, so all can stop
-/// before the next.
-pub(crate) fn set_rolling(net: &Net, occupancy: &mut Occupancy, bends: &mut Bends, vehicles: &mut [Vehicle]) {
+/// before the next. `mark_others` puts whatever else is on lanes there.
+pub(crate) fn set_rolling(
+    net: &Net,
+    occupancy: &mut Occupancy,
+    bends: &mut Bends,
+    vehicles: &mut [Vehicle],
+    mark_others: &dyn Fn(&mut Occupancy),
+) {
     for vehicle in vehicles.iter_mut() {
         // What is in view depends on the speed.
         vehicle.roll(net, vehicle.wished_speed(net));
@@ -41,6 +47,7 @@ pub(crate) fn set_rolling(net: &Net, occupancy: &mut Occupancy, bends: &mut Bend
     bends.start(net, vehicles);
     for _ in 0..ROUNDS {
         occupancy.fill(net, vehicles);
+        mark_others(occupancy);
         let mut changed: f64 = 0.0;
         for me in 0..vehicles.len() {
             let Some(leader) = occupancy.leader(net, vehicles, me) else { continue };

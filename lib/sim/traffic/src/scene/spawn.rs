@@ -1,6 +1,7 @@
 //! Where vehicles start.
 
 use std::collections::{BTreeMap, VecDeque};
+use std::ops::Range;
 use std::sync::Arc;
 
 use catalogue::{
@@ -16,6 +17,7 @@ use settings::TrafficSettings;
 
 use crate::bends::is_tight;
 use crate::error::TrafficError;
+use crate::given::GivenActors;
 use crate::hazards::Hazards;
 use crate::input::SceneInput;
 use crate::road::centreline::CentrelinePoint;
@@ -71,16 +73,21 @@ const BEND_END_M: f64 = 11.0;
 const STRAIGHT: f64 = 1.0 / 180.0;
 const BEND_STEP_M: f64 = 2.0;
 
-/// All vehicles of a scene, agents in order, then background vehicles, and the objects in its hazards.
+/// All vehicles of a scene that drivers drive, agents in order, then background vehicles, and the objects in
+/// its hazards. Nothing starts where actors on given trajectories come by within some frames.
 pub(crate) fn vehicle_starts(
     input: &SceneInput<'_>,
     fixed: &[ActorRow],
     net: &Net,
+    (given, frames): (&GivenActors, Range<i32>),
 ) -> Result<(Vec<Start>, Hazards), TrafficError> {
     let scene = input.scene;
     let mut taken = Taken::parked(fixed);
+    let given_agents = given.agents_at(frames.start);
+    given.keep_free(&mut taken, frames);
     let mut starts = Vec::new();
-    for agent in input.agents.iter().filter(|a| a.signal.is_none() && a.agent.kind == AgentKind::Vehicle) {
+    let vehicles = input.agents.iter().filter(|a| a.signal.is_none() && a.agent.kind == AgentKind::Vehicle);
+    for agent in vehicles.filter(|a| !given.has(a.agent)) {
         let model = input.catalogue.find(&agent.model).filter(|m| m.wheelbase_m > 0.0).ok_or_else(|| {
             TrafficError::UnknownModel { scene: scene.scene, agent: agent.agent, model: agent.model.clone() }
         })?;
@@ -114,7 +121,7 @@ pub(crate) fn vehicle_starts(
         });
     }
     let hazards = Hazards::place(input, fixed, &mut taken);
-    background(input, net, &hazards, &mut taken, &mut starts);
+    background(input, net, (&hazards, given_agents), &mut taken, &mut starts);
     Ok((starts, hazards))
 }
 
@@ -122,13 +129,13 @@ pub(crate) fn vehicle_starts(
 fn background(
     input: &SceneInput<'_>,
     net: &Net,
-    hazards: &Hazards,
+    (hazards, mut agents): (&Hazards, Vec<Point3<f64>>),
     taken: &mut Taken,
     starts: &mut Vec<Start>,
 ) {
     let (scene, traffic) = (input.scene, &input.settings.traffic);
     let stream = |topic, entity| Stream::new(scene.seed, u64::from(scene.scene), topic, entity);
-    let agents: Vec<Point3<f64>> = starts.iter().map(|s| s.point).collect();
+    agents.extend(starts.iter().map(|start| start.point));
     let mut points = spawn_points(input.map, net, scene.spawn_separation_m);
     points.retain(|&(lane, along)| {
         let at = net.lanes[lane].centre.place(along).point;

@@ -14,6 +14,7 @@ pub(crate) mod attention;
 pub(crate) mod claim;
 pub(crate) mod doors;
 pub(crate) mod driver;
+pub(crate) mod given_route;
 pub(crate) mod lane_choice;
 pub(crate) mod lateral;
 pub(crate) mod motion;

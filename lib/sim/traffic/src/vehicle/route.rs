@@ -7,6 +7,7 @@ use random::Stream;
 
 use crate::road::centreline::CentrelinePoint;
 use crate::road::net::Net;
+use crate::vehicle::given_route::GivenRoute;
 
 /// Vehicles with few ways to choose from go straight on so many times as often as they turn.
 const STRAIGHT_ON: f64 = 3.0;
@@ -28,6 +29,8 @@ pub(crate) struct Route {
     turn_lane: Option<usize>,
     /// Of a vehicle that tows another one.
     train: Option<TrainRoute>,
+    /// What the user wants it to pass.
+    given: Option<GivenRoute>,
 }
 
 /// What else the route of a vehicle knows that tows another one.
@@ -65,7 +68,21 @@ impl Route {
     /// A route that begins on a lane, at some metres along it.
     pub(crate) fn new(lane: usize, along_m: f64, stream: Stream) -> Self {
         let lanes = VecDeque::from([lane]);
-        Self { stream, lanes, along_m, odometer_m: 0.0, changed_m: 0.0, turn_lane: None, train: None }
+        Self {
+            stream,
+            lanes,
+            along_m,
+            odometer_m: 0.0,
+            changed_m: 0.0,
+            turn_lane: None,
+            train: None,
+            given: None,
+        }
+    }
+
+    /// The same, over lanes that the user gave.
+    pub(crate) fn over(self, given: Option<GivenRoute>) -> Self {
+        Self { given, ..self }
     }
 
     /// The same for a vehicle that tows another one: for each lane how long it can drive on from there, and
@@ -91,7 +108,12 @@ impl Route {
     /// Whether a lane is wide enough for what it tows, and leads on as far as the one that it is on.
     pub(crate) fn may_use(&self, lane: usize) -> bool {
         let own = self.lanes[0];
-        self.train.as_ref().is_none_or(|train| train.ways_s[lane] >= train.ways_s[own].min(train.enough_s))
+        let leads_on = self.given.as_ref().is_none_or(|given| given.may_use(lane));
+        leads_on
+            && self
+                .train
+                .as_ref()
+                .is_none_or(|train| train.ways_s[lane] >= train.ways_s[own].min(train.enough_s))
     }
 
     /// The lane that its vehicle's middle was on so much way ago, and the way on it, metres.
@@ -116,6 +138,9 @@ impl Route {
     /// Draws where to go after a lane.
     fn draw_next(&mut self, net: &Net, lane: usize) -> Option<usize> {
         let next = &net.lanes[lane].next;
+        if let Some(given) = self.given.as_ref().and_then(|given| given.next(self.lanes.iter(), next)) {
+            return Some(given);
+        }
         let Some(train) = &self.train else { return self.stream.choose(next).copied() };
         // Where none leads on for long enough, the one that leads on for longest does, as it did from the
         // beginning.
@@ -191,7 +216,11 @@ impl Route {
     /// as likely.
     pub(crate) fn choose_turn_lane(&mut self, net: &Net) {
         self.turn_lane = None;
-        if self.train.is_some() {
+        if let Some(given) = &mut self.given {
+            given.pass(self.lanes[0]);
+            self.turn_lane = given.beside(net, self.lanes[0]);
+        }
+        if self.train.is_some() || self.given.as_ref().is_some_and(GivenRoute::goes_on) {
             return;
         }
         let own = &net.lanes[self.lanes[0]];

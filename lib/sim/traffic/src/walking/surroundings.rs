@@ -1,6 +1,6 @@
 //! What walkers see around them, and which gaps in the traffic they accept.
 
-use crate::occupancy::Occupancy;
+use crate::occupancy::{GIVEN, Occupancy};
 use crate::road::net::Net;
 use crate::road::signals::Signals;
 use crate::swept_path::SweptPaths;
@@ -53,6 +53,7 @@ impl Surroundings<'_> {
                     let standing = speed < 0.3;
                     let sees = |v: &Vehicle| !v.driver().is_away(Class::Walkers);
                     let stops = gap > 4.0 + 0.7 * speed + speed * speed / 4.0
+                        && there.vehicle != GIVEN
                         && self.vehicles.get(there.vehicle).is_none_or(sees);
                     let far = gap > speed * needed_s + 3.0;
                     let clear = gone || far || (standing && gap > 1.5) || (they_stop && stops);

@@ -3,6 +3,7 @@
 mod common;
 mod contact;
 mod facts;
+mod given;
 mod hazards;
 mod junctions;
 mod motion;

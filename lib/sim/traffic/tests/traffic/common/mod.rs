@@ -444,6 +444,8 @@ pub(crate) fn run_beside(
         agents,
         hazards,
         weather: &[],
+        routes: &[],
+        trajectories: &[],
         settings,
         fixed: &fixed,
         first_id,
