@@ -287,11 +287,14 @@ fn a_store_of_a_newer_format_is_refused_by_all() {
         let output = std::process::Command::new(program("convoy")).args(args).output();
         said.push(Outcome::of(&output.expect("starts")));
     }
+    let mut told = String::new();
     for outcome in said {
         let both = outcome.stderr.contains("store format 99")
             && outcome.stderr.contains(&schema::FORMAT_VERSION.to_string());
         assert!(outcome.code == 2 && both, "{outcome:?}");
+        told.push_str(&outcome.stderr.replace(&bench.folder.path().display().to_string(), "FOLDER"));
     }
+    insta::assert_snapshot!("stores-of-a-newer-format", told);
     assert_eq!(bench.digests(), before);
 }
 
@@ -308,15 +311,22 @@ fn a_store_where_a_file_is_or_nothing_is_a_wrong_argument() {
     let store = bench.store().display().to_string();
     let check = convoy(&["check", "--store", &store]);
     assert!(check.code == 2 && check.stderr.contains("is no store"), "{check:?}");
+    let tidy = convoy(&["tidy", "--store", &store]);
+    assert!(tidy.code == 2 && tidy.stderr.contains("is no store"), "{tidy:?}");
+    let mut told = [&verify, &check, &tidy].map(|outcome| outcome.stderr.clone()).concat();
     std::fs::write(bench.store(), "a file").expect("is written");
     for (name, args) in [("spawn-planner", &[][..]), ("convoy", &["status"]), ("convoy", &["run"])] {
         let outcome = bench.run(name, args);
         assert!(outcome.code == 2 && outcome.stderr.contains("is a file"), "{name}: {outcome:?}");
+        told.push_str(&outcome.stderr);
     }
     let below = format!("{store}/deep/er");
     let config = bench.config().display().to_string();
     let outcome = convoy(&["run", "--config", &config, "--store", &below, "--progress", "none"]);
     assert!(outcome.code == 2 && outcome.stderr.contains("lies below a file"), "{outcome:?}");
+    told.push_str(&outcome.stderr);
+    let told = told.replace(&bench.folder.path().display().to_string(), "FOLDER");
+    insta::assert_snapshot!("places-that-are-no-store", told);
 }
 
 #[test]

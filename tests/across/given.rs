@@ -85,7 +85,7 @@ fn a_scene_that_was_driven_is_driven_again() {
     let again = log(&bench);
     let of = |name: &str| match name {
         "vehicle_0" => again.actors.iter().find(|a| a.role == agent.role).expect("one").id,
-        _ => again.actors.iter().filter(|a| a.role == ActorRole::Background).next_back().expect("one").id,
+        _ => again.actors.iter().rfind(|a| a.role == ActorRole::Background).expect("one").id,
     };
     for (name, _, frame, xyz_m, rpy_rad) in &given {
         let id = of(name);

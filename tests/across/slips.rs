@@ -16,9 +16,16 @@ fn run(bench: &Bench, args: &[&str]) -> Outcome {
     bench.run("convoy", &[&["run", "--progress", "none"], args].concat())
 }
 
+/// What a program said, without the folder and the amounts of work, which change with what drives by.
+fn words(bench: &Bench, outcome: &Outcome) -> String {
+    let said = outcome.stderr.replace(&bench.folder.path().display().to_string(), "FOLDER");
+    let line = |line: &str| line.split(", about").next().unwrap_or_default().trim_end().to_owned() + "\n";
+    said.lines().filter(|line| !line.contains(" done, ")).map(line).collect()
+}
+
 /// Expects that a run with a configuration is refused with some words, and changes nothing.
 #[track_caller]
-fn refused(bench: &Bench, config: &str, words: &[&str]) {
+fn refused(bench: &Bench, config: &str, words: &[&str]) -> Outcome {
     let before = bench.digests();
     bench.configure(config);
     let outcome = run(bench, &[]);
@@ -27,6 +34,7 @@ fn refused(bench: &Bench, config: &str, words: &[&str]) {
         assert!(outcome.stderr.contains(word), "{word}: {}", outcome.stderr);
     }
     assert!(bench.digests() == before, "{words:?}: the store was touched");
+    outcome
 }
 
 #[test]
@@ -39,18 +47,23 @@ fn a_slip_is_asked_about_and_touches_nothing() {
         config.replace(old, new)
     };
     let asks = "--redo makes it again";
-    refused(&bench, &with("vehicles = 12", "vehicles = 13"), &["traffic.vehicles: 12 -> 13", asks]);
+    let _ = refused(&bench, &with("vehicles = 12", "vehicles = 13"), &["traffic.vehicles: 12 -> 13", asks]);
     let weather = with("sun_altitude_deg = 30", "sun_altitude_deg = 31");
-    refused(&bench, &weather, &["weather.initial.sun_altitude_deg: 30.0 -> 31.0", "planned otherwise", asks]);
+    let _ = refused(
+        &bench,
+        &weather,
+        &["weather.initial.sun_altitude_deg: 30.0 -> 31.0", "planned otherwise", asks],
+    );
     // Masks that would be switched off: they would go.
     let masks = format!("{config}\n[bev]\nenabled = false\n");
-    refused(
+    let _ = refused(
         &bench,
         &masks,
         &["bev-gt: scenes 0-1 (the configuration changed)", "bev.enabled: true -> false"],
     );
     let other = with("name = \"tiny\"", "name = \"other\"");
-    refused(&bench, &other, &["holds the dataset `tiny`", "--force"]);
+    let of_another = refused(&bench, &other, &["holds the dataset `tiny`", "--force"]);
+    insta::assert_snapshot!("run-of-another-name", words(&bench, &of_another));
     for stage in ["render-sensors", "stats"] {
         let alone = bench.run(stage, &[]);
         assert!(alone.code == 2 && alone.stderr.contains("holds the dataset `tiny`"), "{alone:?}");
@@ -69,12 +82,15 @@ fn a_slip_is_asked_about_and_touches_nothing() {
     // A lidar is the sensors' alone, and what is made of them.
     let lidar = config.replacen("channels = 16", "channels = 8", 1);
     let sensors = ["render-sensors: scenes 0-1 (the configuration changed)", "(made from render-sensors)"];
-    refused(&bench, &lidar, &[&sensors[..], &["vehicle.lidars[LIDAR].scan.channels: 16 -> 8"]].concat());
+    let keys = ["vehicle.lidars[LIDAR].scan.channels: 16 -> 8"];
+    let asked = refused(&bench, &lidar, &[&sensors[..], &keys].concat());
+    insta::assert_snapshot!("run-with-another-lidar", words(&bench, &asked));
     let before = bench.digests();
     let alone = bench.run("render-sensors", &[]);
     assert!(alone.code == 2 && alone.stderr.contains(sensors[0]), "{alone:?}");
     assert!(alone.stderr.contains("makes stale postprocess-valid"), "{alone:?}");
     assert!(!alone.stderr.contains("bev-gt") && bench.digests() == before, "{alone:?}");
+    insta::assert_snapshot!("stage-with-another-lidar", words(&bench, &alone));
     // A store whose plan or record was lost is asked about all the more.
     for lost in ["plan/_manifest.json", "dataset.json", "plan/scenes.parquet"] {
         let path = bench.store().join(lost);

@@ -50,6 +50,8 @@ fn strict_runs_refuse_what_is_suspicious() {
         assert_eq!(outcome.code, 2, "{program} {args:?}: {outcome:?}");
         assert_eq!(said(&bench, &outcome).lines().count(), 3, "{program} {args:?}: {outcome:?}");
         assert!(outcome.stderr.contains("--strict: warnings are errors (3)"), "{outcome:?}");
+        let all = outcome.stderr.replace(&bench.folder.path().display().to_string(), "FOLDER");
+        insta::assert_snapshot!("strict-run", all);
         assert!(!bench.store().join("plan").exists(), "{program} {args:?}");
     }
     // What only the plan shows.

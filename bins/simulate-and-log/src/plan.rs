@@ -43,9 +43,13 @@ impl ScenePlan {
         weather.retain(|w| w.scene == number);
         let mut routes: Vec<PlanRouteRow> = store.read_optional_rows(manifest, keys::PLAN_ROUTES)?;
         routes.retain(|r| r.scene == number);
-        let mut trajectories: Vec<PlanTrajectoryRow> =
-            store.read_optional_rows(manifest, keys::PLAN_TRAJECTORIES)?;
-        trajectories.retain(|t| t.scene == number);
+        // Of all scenes they may be many.
+        let mut trajectories: Vec<PlanTrajectoryRow> = Vec::new();
+        if manifest.output(keys::PLAN_TRAJECTORIES).is_some() {
+            for group in store.row_groups::<PlanTrajectoryRow>(manifest, keys::PLAN_TRAJECTORIES)? {
+                trajectories.extend(group?.into_iter().filter(|row| row.scene == number));
+            }
+        }
         let models = store.read_optional_rows(manifest, keys::PLAN_MODELS)?;
         Ok(Self { scene, agents, hazards, weather, routes, trajectories, models })
     }

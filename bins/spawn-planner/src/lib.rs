@@ -94,9 +94,10 @@ fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Resu
 /// What a user gave and nobody can follow is a wrong argument.
 fn refused(error: PlanError) -> StageError {
     match error {
-        PlanError::Trajectory { .. } | PlanError::Route { .. } | PlanError::NotFirst { .. } => {
-            StageError::usage(error)
-        }
+        PlanError::Trajectory { .. }
+        | PlanError::Route { .. }
+        | PlanError::NotFirst { .. }
+        | PlanError::TwoWays { .. } => StageError::usage(error),
         other => match Err::<(), _>(other).at(Place::default) {
             Err(error) => error,
             Ok(()) => StageError::Stopped,
@@ -248,10 +249,11 @@ fn scene_digest(scene: &PlanSceneRow, plan: &Plan, models: &[PlanModelRow]) -> R
     if !routes.is_empty() {
         all.push(PlanRouteRow::to_columns(&routes));
     }
-    let is_here = |row: &&PlanTrajectoryRow| row.scene == number;
-    let trajectories: Vec<PlanTrajectoryRow> = plan.trajectories.iter().filter(is_here).cloned().collect();
-    if !trajectories.is_empty() {
-        all.push(PlanTrajectoryRow::to_columns(&trajectories));
+    // They may be many, and come by scene.
+    let first = plan.trajectories.partition_point(|row| row.scene < number);
+    let end = plan.trajectories.partition_point(|row| row.scene <= number);
+    if first < end {
+        all.push(PlanTrajectoryRow::to_columns(&plan.trajectories[first..end]));
     }
     // Numbers are the shortest text that reads back the same.
     Ok(store::hash_bytes(&serde_json::to_vec(&all).at(Place::default)?))

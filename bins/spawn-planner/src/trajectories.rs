@@ -14,6 +14,7 @@ use arrow_schema::DataType;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder,
 };
+use parquet::basic::Compression;
 use plan::{Track, TrackFiles, TrackPose};
 use runner::StageError;
 use schema::FRAME_PERIOD_S;
@@ -23,8 +24,8 @@ use crate::error::TrajectoryError;
 
 /// Times lie this near to that of a frame, seconds.
 const EXACT_S: f64 = 1e-3;
-/// Most rows of a file: 5 GB of memory.
-const MAX_ROWS: i64 = 50_000_000;
+/// Most rows of a file: some 5 GB of memory.
+const MAX_ROWS: i64 = 20_000_000;
 /// Frames are numbered within this.
 const MAX_FRAME: i64 = 1_000_000;
 
@@ -100,6 +101,15 @@ fn read_file(path: &Path) -> Result<Vec<Track>, String> {
     if rows > MAX_ROWS {
         return Err(format!("has {rows} rows, more than {MAX_ROWS}: split it by groups of scenes"));
     }
+    for packed in
+        about.metadata().row_groups().iter().flat_map(|group| group.columns()).map(|c| c.compression())
+    {
+        if !matches!(packed, Compression::UNCOMPRESSED | Compression::SNAPPY | Compression::ZSTD(_)) {
+            return Err(format!(
+                "is compressed by {packed}: write it with compression=\"zstd\", \"snappy\" or none"
+            ));
+        }
+    }
     let has = |name: &str| about.schema().column_with_name(name).is_some();
     for name in ["actor", "x_m", "y_m", "yaw_rad"] {
         if !has(name) {
@@ -129,12 +139,12 @@ impl Columns {
     fn add(&mut self, batch: &RecordBatch) -> Result<(), String> {
         self.actor.extend(required(texts(batch, "actor")?, "actor")?);
         if batch.column_by_name("time_s").is_some() {
+            let first_row = self.frame.len();
             for (row, time_s) in required(numbers(batch, "time_s")?, "time_s")?.into_iter().enumerate() {
                 let frame = (time_s / FRAME_PERIOD_S).round();
                 let off_s = (frame * FRAME_PERIOD_S - time_s).abs();
-                // Also where it is no number.
-                if !(off_s < EXACT_S) {
-                    let row = self.frame.len() + row;
+                if !time_s.is_finite() || off_s >= EXACT_S {
+                    let row = first_row + row;
                     return Err(format!(
                         "row {row}: `time_s` is {time_s}, no multiple of {FRAME_PERIOD_S} s: resample to 20 Hz"
                     ));
@@ -144,14 +154,17 @@ impl Columns {
         } else {
             self.frame.extend(required(whole_numbers(batch, "frame")?, "frame")?);
         }
-        self.x_m.extend(required(numbers(batch, "x_m")?, "x_m")?);
-        self.y_m.extend(required(numbers(batch, "y_m")?, "y_m")?);
-        self.yaw_rad.extend(required(numbers(batch, "yaw_rad")?, "yaw_rad")?);
+        // What is missing is found where scene, actor and frame are known.
+        let measured =
+            |name: &str| Ok::<_, String>(numbers(batch, name)?.into_iter().map(|v| v.unwrap_or(f64::NAN)));
+        self.x_m.extend(measured("x_m")?);
+        self.y_m.extend(measured("y_m")?);
+        self.yaw_rad.extend(measured("yaw_rad")?);
         for (name, column) in
             [("z_m", &mut self.z_m), ("roll_rad", &mut self.roll_rad), ("pitch_rad", &mut self.pitch_rad)]
         {
             if batch.column_by_name(name).is_some() {
-                column.get_or_insert_default().extend(required(numbers(batch, name)?, name)?);
+                column.get_or_insert_default().extend(measured(name)?);
             }
         }
         if batch.column_by_name("scene").is_some() {
@@ -186,19 +199,24 @@ impl Columns {
                     return Err(format!("{whose} has no frame {}: after {before} comes {after}", before + 1));
                 }
             }
-            let outside = same.iter().map(|&row| self.frame[row]).find(|frame| frame.abs() > MAX_FRAME);
+            let outside = same
+                .iter()
+                .map(|&row| self.frame[row])
+                .find(|frame| !(-MAX_FRAME..=MAX_FRAME).contains(frame));
             if let Some(frame) = outside {
                 return Err(format!("{whose} has a frame {frame}"));
             }
-            let model = self.model.as_ref().and_then(|models| models[first].clone());
+            let mut models = same.iter().filter_map(|&row| self.model.as_ref()?[row].as_ref());
+            let model = models.next().cloned();
+            if let Some(other) = models.find(|other| model.as_ref() != Some(*other)) {
+                return Err(format!("{whose} has two models, `{}` and `{other}`", model.unwrap_or_default()));
+            }
             let pose = |&row: &usize| TrackPose {
                 xy_m: [self.x_m[row], self.y_m[row]],
                 z_m: self.z_m.as_ref().map(|z| z[row]),
                 yaw_rad: self.yaw_rad[row],
-                roll_pitch_rad: match (&self.roll_rad, &self.pitch_rad) {
-                    (None, None) => None,
-                    (roll, pitch) => Some([roll, pitch].map(|angle| angle.as_ref().map_or(0.0, |a| a[row]))),
-                },
+                roll_rad: self.roll_rad.as_ref().map(|roll| roll[row]),
+                pitch_rad: self.pitch_rad.as_ref().map(|pitch| pitch[row]),
             };
             let first_frame = self.frame[first] as i32;
             tracks.push(Track { scene, actor, model, first_frame, poses: same.iter().map(pose).collect() });
@@ -249,6 +267,11 @@ fn whole_numbers(batch: &RecordBatch, name: &str) -> Result<Vec<Option<i64>>, St
         DataType::UInt16 => of!(UInt16Type),
         DataType::UInt32 => of!(UInt32Type),
         DataType::UInt64 => of!(UInt64Type),
+        // As some writers have whole numbers of which one was missing once.
+        DataType::Float32 | DataType::Float64 => {
+            let whole = |v: f64| (v.fract() == 0.0 && v.abs() < 9e15).then_some(v as i64);
+            numbers(batch, name)?.into_iter().map(|v| v.and_then(whole)).collect()
+        }
         other => return Err(format!("column `{name}` is of type {other}, expected numbers")),
     })
 }

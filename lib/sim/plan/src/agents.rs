@@ -14,7 +14,7 @@ use settings::stages::PlanSettings;
 use settings::{AgentSettings, GivenRsu, SpawnMode, TrafficSettings};
 
 use crate::PlanError;
-use crate::pool::{SpawnPoint, SpawnPool};
+use crate::pool::{SpawnPoint, SpawnPool, TakenGround};
 
 /// Colour of an RSU's body (sRGB).
 const RSU_COLOR: [u8; 3] = [190, 190, 190];
@@ -59,7 +59,7 @@ pub(crate) fn place_vehicles(
     settings: &AgentSettings,
     models: &[&Model],
     mode: SpawnMode,
-    (count, given): (usize, Vec<SpawnPoint>),
+    (count, given, kept): (usize, Vec<SpawnPoint>, &[TakenGround]),
     stream: &mut Stream,
 ) -> Placement {
     let count = count.max(given.len());
@@ -85,7 +85,7 @@ pub(crate) fn place_vehicles(
             let Some(&pick) = stream.choose(&eligible) else { break };
             let candidate = points[open.swap_remove(pick)];
             open.sort_unstable();
-            match clear_start(map, candidate, &placement.starts, models) {
+            match clear_start(map, candidate, (&placement.starts, kept), models) {
                 Some(start) => {
                     placement.starts.push(start);
                     placement.pivots.push(candidate.xyz_m);
@@ -102,7 +102,7 @@ pub(crate) fn place_vehicles(
             if placement.starts.len() == wanted {
                 break;
             }
-            match clear_start(map, points[near[i]], &placement.starts, models) {
+            match clear_start(map, points[near[i]], (&placement.starts, kept), models) {
                 Some(start) => placement.starts.push(start),
                 None => dropped += 1,
             }
@@ -124,13 +124,15 @@ pub(crate) fn place_vehicles(
 fn clear_start(
     map: &Map,
     candidate: SpawnPoint,
-    placed: &[SpawnPoint],
+    (placed, kept): (&[SpawnPoint], &[TakenGround]),
     models: &[&Model],
 ) -> Option<SpawnPoint> {
     let size = |i: usize| models[i % models.len()].size_m;
     let own = size(placed.len());
-    let clear =
-        |start: &SpawnPoint| placed.iter().enumerate().all(|(i, other)| !overlap(start, own, other, size(i)));
+    let clear = |start: &SpawnPoint| {
+        placed.iter().enumerate().all(|(i, other)| !overlap(start, own, other, size(i)))
+            && kept.iter().all(|(other, size_m)| !overlap(start, own, other, *size_m))
+    };
     if clear(&candidate) {
         return Some(candidate);
     }

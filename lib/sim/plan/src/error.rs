@@ -71,17 +71,25 @@ pub enum PlanError {
         /// What is wrong.
         problem: String,
     },
+    /// A vehicle with a route and a trajectory, or two of one.
+    #[error("scene {scene}: {agent} has two routes or trajectories: leave one out")]
+    TwoWays {
+        /// The scene.
+        scene: u32,
+        /// The vehicle.
+        agent: schema::AgentId,
+    },
     /// Vehicles with given ways are not the first ones.
     #[error(
         "scene {scene}: {given} has a route or a trajectory, and {missing} has none: those who have are the first vehicles, \
-         numbered from 0, each by one of the two"
+         numbered from 0"
     )]
     NotFirst {
         /// The scene.
         scene: u32,
         /// One that has.
         given: schema::AgentId,
-        /// One that has not, or has both.
+        /// One that has not.
         missing: schema::AgentId,
     },
     /// A vehicle model that the catalogue does not have.

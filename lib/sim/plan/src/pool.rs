@@ -22,6 +22,9 @@ pub struct SpawnPoint {
     pub rpy_rad: [f64; 3],
 }
 
+/// Ground that a vehicle of a size takes.
+pub(crate) type TakenGround = (SpawnPoint, [f64; 3]);
+
 impl SpawnPoint {
     /// The point of a place on a lane; None where the lane carries no vehicle.
     pub(crate) fn at(map: &Map, pos: LanePos) -> Option<Self> {

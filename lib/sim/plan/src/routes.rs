@@ -148,9 +148,15 @@ fn ways_m(map: &Map, from: LanePos) -> BTreeMap<LaneId, f64> {
     let mut ways: BTreeMap<LaneId, f64> = BTreeMap::new();
     // Ways are not negative: their bits sort as they do.
     let mut open = BTreeSet::from([(0_u64, from.lane, false)]);
+    // Lanes beside the place, by changes alone: what lies before it there is not reached.
+    let mut beside_place = BTreeSet::new();
     while let Some((bits, lane, is_entered)) = open.pop_first() {
         let way_m = f64::from_bits(bits);
-        if is_entered && ways.get(&lane).is_some_and(|known| *known <= way_m) {
+        let is_known = match is_entered {
+            true => ways.get(&lane).is_some_and(|known| *known <= way_m),
+            false => !beside_place.insert(lane),
+        };
+        if is_known {
             continue;
         }
         let rest_m = if is_entered {
@@ -162,11 +168,10 @@ fn ways_m(map: &Map, from: LanePos) -> BTreeMap<LaneId, f64> {
         for next in map.successors(lane) {
             open.insert(((way_m + rest_m).to_bits(), *next, true));
         }
-        // From the first lane a change leads beside the place; it costs way on that lane.
         for beside in [map.left_of(lane), map.right_of(lane)].into_iter().flatten() {
             let drives = map.lane(beside).is_some_and(|info| info.lane_type.is_drivable());
             if drives && map.same_direction(lane, beside) && map.junction_of(lane).is_none() {
-                open.insert(((way_m + CHANGE_M).to_bits(), beside, true));
+                open.insert(((way_m + CHANGE_M).to_bits(), beside, is_entered));
             }
         }
     }
@@ -175,12 +180,11 @@ fn ways_m(map: &Map, from: LanePos) -> BTreeMap<LaneId, f64> {
 
 /// The way from one place to another, metres.
 fn way_to(map: &Map, ways: &BTreeMap<LaneId, f64>, from: LanePos, to: LanePos) -> Option<f64> {
-    if from.lane == to.lane && to.along_m > from.along_m {
-        return Some(to.along_m - from.along_m);
-    }
-    let is_beside = |side: Option<LaneId>| side == Some(to.lane) && map.same_direction(from.lane, to.lane);
-    if is_beside(map.left_of(from.lane)) || is_beside(map.right_of(from.lane)) {
-        return (to.along_m > from.along_m).then(|| to.along_m - from.along_m + CHANGE_M);
+    let (own, other) = (from.lane, to.lane);
+    let is_ahead = own.road == other.road && own.section == other.section && map.same_direction(own, other);
+    if is_ahead && to.along_m > from.along_m {
+        let changes = f64::from((own.lane - other.lane).abs());
+        return Some(to.along_m - from.along_m + CHANGE_M * changes);
     }
     ways.get(&to.lane).map(|way_m| way_m + to.along_m)
 }

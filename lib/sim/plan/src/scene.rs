@@ -1,6 +1,6 @@
 //! The plan of a dataset, scene by scene.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use catalogue::Catalogue;
 use opendrive::Map;
@@ -19,6 +19,7 @@ use crate::hazards::{Surroundings, plan_hazards};
 use crate::lights::plan_lights;
 use crate::pool::SpawnPool;
 use crate::roster::{SceneSlot, scene_slots};
+use crate::sources::PlanSources;
 use crate::timing::{background_radius_m, draw_duration_s, frame_count};
 use crate::tracks::TrackFiles;
 use crate::weather::plan_weather;
@@ -70,15 +71,6 @@ pub struct PlannedScene {
     pub warnings: Vec<String>,
 }
 
-/// What scenes are planned from besides settings and maps.
-#[derive(Clone, Copy, Debug)]
-pub struct PlanSources<'a> {
-    /// The models that there are.
-    pub catalogue: &'a Catalogue,
-    /// Trajectories, by the name of their file.
-    pub tracks: &'a TrackFiles,
-}
-
 /// Plans a new dataset with the built-in models and no trajectories.
 ///
 /// # Errors
@@ -101,6 +93,7 @@ pub fn plan_slots(
     // By map and spacing, as its bits.
     let mut pools: BTreeMap<(&str, u64), SpawnPool> = BTreeMap::new();
     let mut plan = Plan::default();
+    plan.warnings.extend(unused_tracks(settings, slots, sources.tracks));
     for slot in slots {
         let Some((name, map)) = maps.get_key_value(&slot.map) else {
             let known = maps.keys().cloned().collect::<Vec<_>>().join(", ");
@@ -124,6 +117,32 @@ pub fn plan_slots(
         plan.warnings.extend(planned.warnings);
     }
     Ok(plan)
+}
+
+/// Scenes of files of trajectories that nobody plans by them.
+fn unused_tracks(settings: &PlanSettings, slots: &[SceneSlot], tracks: &TrackFiles) -> Vec<String> {
+    let mut unused = Vec::new();
+    for (file, tracks) in tracks {
+        let uses = |slot: &&SceneSlot| {
+            let own = settings.of_group(slot.edition, &slot.group);
+            own.is_some_and(|own| own.agents.trajectories.as_ref() == Some(file))
+        };
+        let used: BTreeSet<u32> = slots.iter().filter(uses).map(|slot| slot.scene).collect();
+        let named: BTreeSet<u32> = tracks.iter().filter_map(|track| track.scene).collect();
+        let other: Vec<String> = named.difference(&used).map(u32::to_string).collect();
+        if !other.is_empty() {
+            unused.push(format!(
+                "{file} (agents.trajectories) has rows of scenes that are not planned by it: {}",
+                other.join(", ")
+            ));
+        }
+        let is_of_all = tracks.iter().any(|track| track.scene.is_none());
+        let without: Vec<String> = used.difference(&named).map(u32::to_string).collect();
+        if !is_of_all && !without.is_empty() {
+            unused.push(format!("{file} (agents.trajectories) has no rows of scenes {}", without.join(", ")));
+        }
+    }
+    unused
 }
 
 /// How many agents, and how they are spread.
@@ -202,7 +221,7 @@ pub fn plan_scene(
         &settings.agents,
         &models,
         mode,
-        (vehicles, ways.starts()),
+        (vehicles, ways.starts(), &ways.kept(catalogue)),
         &mut stream("plan/vehicles", 0),
     );
     let mut agents =

@@ -15,6 +15,8 @@ use crate::pool::{SpawnPoint, SpawnPool};
 
 /// Fastest motion that is believed, m/s: of vehicles, and of people.
 const FASTEST_MPS: [f64; 2] = [100.0, 15.0];
+/// Maps extend no farther than this from their origin, metres.
+const FARTHEST_M: f64 = 1e6;
 /// Most that a velocity changes from one frame to the next, m/s: positions are noisy by decimetres at most.
 const JERKY_MPS: f64 = 5.0;
 /// Most that a heading changes from one frame to the next, radians: of vehicles, and of people.
@@ -51,8 +53,10 @@ pub struct TrackPose {
     pub z_m: Option<f64>,
     /// Heading from east, counter-clockwise, radians.
     pub yaw_rad: f64,
-    /// Roll and pitch, radians; those of the road where nothing is said.
-    pub roll_pitch_rad: Option<[f64; 2]>,
+    /// Roll, radians; that of the road where nothing is said.
+    pub roll_rad: Option<f64>,
+    /// Pitch, radians; that of the road where nothing is said.
+    pub pitch_rad: Option<f64>,
 }
 
 /// Tracks by the name of their file, as configurations write it.
@@ -86,7 +90,15 @@ impl TrackScene<'_> {
     pub(crate) fn plan(&self, tracks: &[Track]) -> Result<Vec<Vec<PlanTrajectoryRow>>, PlanError> {
         let mut own: Vec<(Option<AgentId>, &Track)> = Vec::new();
         for track in tracks.iter().filter(|t| t.scene.is_none_or(|scene| scene == self.scene)) {
-            own.push((track.actor.parse().ok(), track));
+            let agent: Option<AgentId> = track.actor.parse().ok();
+            let lower = track.actor.to_lowercase();
+            let is_like_one = ["vehicle_", "rsu_"].iter().any(|prefix| lower.starts_with(prefix));
+            if is_like_one && agent.is_none_or(|agent| agent.to_string() != track.actor) {
+                let problem =
+                    "is no agent's name, and looks like one: agents are vehicle_0, vehicle_1, ...".to_owned();
+                return Err(self.fault(track, None, problem));
+            }
+            own.push((agent, track));
         }
         own.sort_by_key(|(agent, track)| (agent.is_none(), *agent, &track.actor));
         own.into_iter().map(|(agent, track)| self.rows(agent, track)).collect()
@@ -111,7 +123,10 @@ impl TrackScene<'_> {
             let frame = track.first_frame + k as i32;
             let [x, y] = pose.xy_m;
             let place = match pose.z_m {
-                Some(z) => Placed { z_m: z, roll_pitch_rad: [0.0; 2] },
+                Some(z) => {
+                    let level = Placed { z_m: z, roll_pitch_rad: [0.0; 2] };
+                    Placed { z_m: z, ..self.ground([x, y], Some(z), pose.yaw_rad).unwrap_or(level) }
+                }
                 None => self.ground([x, y], z_m, pose.yaw_rad).ok_or_else(|| {
                     let problem =
                         format!("no lane is at {x:.2}, {y:.2}: give a column `z_m`, or another place");
@@ -119,10 +134,8 @@ impl TrackScene<'_> {
                 })?,
             };
             z_m = Some(place.z_m);
-            let [roll, pitch] = pose.roll_pitch_rad.unwrap_or(match is_vehicle {
-                true => place.roll_pitch_rad,
-                false => [0.0; 2],
-            });
+            let of_road = if is_vehicle { place.roll_pitch_rad } else { [0.0; 2] };
+            let (roll, pitch) = (pose.roll_rad.unwrap_or(of_road[0]), pose.pitch_rad.unwrap_or(of_road[1]));
             rows.push(PlanTrajectoryRow {
                 scene: self.scene,
                 actor: track.actor.clone(),
@@ -166,12 +179,18 @@ impl TrackScene<'_> {
     fn check_motion(&self, track: &Track, is_vehicle: bool) -> Result<(), PlanError> {
         let kind = usize::from(!is_vehicle);
         let numbers = |pose: &TrackPose| {
-            let [roll, pitch] = pose.roll_pitch_rad.unwrap_or_default();
-            [pose.xy_m[0], pose.xy_m[1], pose.z_m.unwrap_or_default(), pose.yaw_rad, roll, pitch]
+            let [z, roll, pitch] = [pose.z_m, pose.roll_rad, pose.pitch_rad].map(Option::unwrap_or_default);
+            [pose.xy_m[0], pose.xy_m[1], z, pose.yaw_rad, roll, pitch]
         };
         let frame = |k: usize| track.first_frame + k as i32;
         if let Some(k) = track.poses.iter().position(|pose| !numbers(pose).iter().all(|n| n.is_finite())) {
-            return Err(self.fault(track, Some(frame(k)), "a number is not finite".into()));
+            return Err(self.fault(track, Some(frame(k)), "a number is missing or not finite".into()));
+        }
+        let is_far = |pose: &TrackPose| numbers(pose)[..3].iter().any(|m| m.abs() > FARTHEST_M);
+        if let Some(k) = track.poses.iter().position(is_far) {
+            let [x, y] = track.poses[k].xy_m;
+            let problem = format!("is at {x:.0}, {y:.0}, off every map: positions are in the map's frame");
+            return Err(self.fault(track, Some(frame(k)), problem));
         }
         let mut before: Option<[f64; 2]> = None;
         for (k, pair) in track.poses.windows(2).enumerate() {

@@ -5,7 +5,7 @@
 //! marks that forbid it, or into a gap that makes another brake hard. A driver who must change and cannot,
 //! asks: the next one behind in the other lane lets it in, so that two full lanes zip into one.
 
-use crate::occupancy::{Occupancy, Occupant, Sense, is_stranded};
+use crate::occupancy::{GIVEN, Occupancy, Occupant, Sense, is_stranded};
 use crate::road::net::Net;
 use crate::road::sides::{CHANGE_WIDTH_M, Side};
 use crate::vehicle::Vehicle;
@@ -273,7 +273,16 @@ fn gap(
         return None;
     }
     let mut loss = 0.0;
-    if let Some((to_m, spot)) = occupancy.first(net, Sense::Behind, (lane, along_m), own, 80.0)
+    let behind = occupancy.first(net, Sense::Behind, (lane, along_m), own, 80.0);
+    if let Some((to_m, spot)) = behind.filter(|(_, spot)| spot.vehicle == GIVEN) {
+        // It brakes for nobody.
+        let closing_mps = (spot.speed_mps - speed).max(0.0);
+        let gap_m = to_m - vehicle.rear_m() - spot.half_length_m;
+        if gap_m < 1.0 + CHANGE_S * closing_mps + 0.3 * spot.speed_mps {
+            return None;
+        }
+    }
+    if let Some((to_m, spot)) = behind
         && let Some(other) = vehicles.get(spot.vehicle).filter(|v| !v.is_crashed())
     {
         let gap_m = to_m - vehicle.rear_m() - spot.half_length_m;

@@ -89,6 +89,13 @@ fn tables_without_effect_are_said() {
     odd.toml:27: `vehicle.occupancy` has no effect: `vehicle.occupancy.enabled` is false
     odd.toml:30: `rsu` has no effect: `agents.max_rsus` is 0
     ");
+    let more = "[tracks]\nwindows = false\npast_s = 1\n[vehicle.radar]\nenabled = false\nrays = 9\n\
+                [[vehicle.radars]]\nname = \"FRONT\"\n[rsu.lidar]\nenabled = false\nchannels = 16\n\
+                [vehicle.lidar]\nrolling_compensated = false\n[rsu.imu]\nenabled = false\n";
+    insta::assert_snapshot!("further-tables-without-effect", said(more));
+    let of_group = "[[groups]]\nname = \"rain\"\n[groups.scenes.train]\n\"convoy/demo\" = 1\n\
+                    [groups.weather.initial]\nwetness = 0.5\n[[groups.rigs]]\nagents = [\"rsu_9\"]\n";
+    insta::assert_snapshot!("suspicions-of-a-group", said(of_group));
     // RSUs have no receiver by default.
     insta::assert_snapshot!(said("[rsu.gnss]\nnoise_altitude_m = 0.5\n"), @"odd.toml:3: `rsu.gnss` has no effect: `rsu.gnss.enabled` is false");
     let switched_on =

@@ -79,10 +79,20 @@ fn vehicles_on_trajectories_start_where_these_begin_and_others_near_them() {
 #[test]
 fn heights_and_slopes_are_those_of_the_road() {
     // 6 % uphill to the east, by the road's elevation 3 + 0.06 s.
-    let mut road = straight_road(400.0, &[(LaneType::Driving, 3.5)]);
-    road.elevation = vec![opendrive::Cubic { a: 3.0, b: 0.06, ..opendrive::Cubic::default() }];
-    let planned =
-        plan(&settings("hill"), testkit::map(vec![road]), vec![track("vehicle_0")]).expect("a plan");
+    let hill = || {
+        let mut road = straight_road(400.0, &[(LaneType::Driving, 3.5)]);
+        road.elevation = vec![opendrive::Cubic { a: 3.0, b: 0.06, ..opendrive::Cubic::default() }];
+        testkit::map(vec![road])
+    };
+    let planned = plan(&settings("hill"), hill(), vec![track("vehicle_0")]).expect("a plan");
+    // Where the file says the height alone, slopes are still those of the road.
+    let mut high = track("vehicle_0");
+    high.poses.iter_mut().for_each(|pose| pose.z_m = Some(3.2 + 0.06 * pose.xy_m[0]));
+    let high = plan(&settings("hill"), hill(), vec![high]).expect("a plan");
+    for (row, low) in high.trajectories.iter().zip(&planned.trajectories) {
+        assert!((row.xyz_m[2] - low.xyz_m[2] - 0.2).abs() < 1e-6);
+        assert!((0..3).all(|k| (row.rpy_rad[k] - low.rpy_rad[k]).abs() < 1e-6), "{row:?}");
+    }
     for row in planned.trajectories.iter().filter(|row| row.scene == 0) {
         assert!((row.xyz_m[2] - (3.0 + 0.06 * row.xyz_m[0])).abs() < 1e-6, "{row:?}");
         // Nose up is negative.
@@ -116,6 +126,11 @@ fn what_no_actor_can_do_is_refused_with_file_scene_actor_and_frame() {
         vec![track("somebody")],
         vec![track("rsu_0")],
         vec![track("vehicle_1")],
+        vec![track("Vehicle_0")],
+        vec![Track {
+            poses: vec![TrackPose { xy_m: [3e6, 0.0], ..TrackPose::default() }; 40],
+            ..track("vehicle_0")
+        }],
     ]
     .into_iter()
     .map(refused)
@@ -163,13 +178,41 @@ fn routes_take_the_lanes_that_lead_on() {
 fn routes_that_nobody_can_drive_are_refused() {
     let refused = |route: GivenRoute, map: Map| with_route(route, map).expect_err("no route").to_string();
     let crossing = || testkit::crossing(true);
+    let wide =
+        || testkit::map(vec![straight_road(400.0, &[(LaneType::Driving, 3.5), (LaneType::Driving, 3.5)])]);
     let said = [
         refused(route(&[[50.0, -1.75], [300.0, 300.0]]), road()),
         refused(over(&["1:-1", "1:1"]), road()),
         refused(route(&[[0.0, -1.75], [60.0, -1.75]]), crossing()),
         refused(over(&["nowhere:-1", "nowhere:-2"]), road()),
         refused(over(&["1:-1"]), road()),
+        // Over to the lane beside and back leads to no place behind.
+        refused(route(&[[200.0, -5.25], [100.0, -5.25]]), wide()),
         refused(GivenRoute { agent: "vehicle_1".into(), ..route(&[[50.0, -1.75], [200.0, -1.75]]) }, road()),
     ];
     insta::assert_snapshot!("refused-routes", said.join("\n"));
+}
+
+#[test]
+fn rows_and_scenes_that_do_not_meet_are_said() {
+    let of = |scene| Track { scene: Some(scene), ..track("vehicle_0") };
+    let planned = plan(&settings("road"), road(), vec![of(1), of(7), of(8)]).expect("a plan");
+    insta::assert_snapshot!("scenes-without-rows", planned.warnings.join("\n"));
+    assert_eq!(plan(&settings("road"), road(), vec![track("vehicle_0")]).expect("a plan").warnings, [""; 0]);
+}
+
+#[test]
+fn others_start_beside_the_way_of_a_given_vehicle() {
+    let mut settings = settings("road");
+    (settings.agents.min_vehicles, settings.agents.max_vehicles) = (4, 4);
+    let planned = plan(&settings, road(), vec![track("vehicle_0")]).expect("a plan");
+    // It drives from 50 to 69.5 m on the lane to the east.
+    let others = planned.agents.iter().filter(|a| a.agent != AgentId::vehicle(0));
+    let mut count = 0;
+    for other in others {
+        count += 1;
+        let [x, y, _] = other.xyz_m;
+        assert!(y > 0.0 || !(46.5..73.0).contains(&x), "{other:?}");
+    }
+    assert!(count >= 2, "{count}");
 }

@@ -6,7 +6,6 @@ use nalgebra::{Point3, Vector3};
 use schema::tables::PlanTrajectoryRow;
 use schema::{ActorRole, FRAME_PERIOD_S, ObjectId};
 
-use super::pose_of;
 use crate::scene::rows::Snapshot;
 
 /// Before its first row an actor comes along as it goes on then, for so many frames: those that velocities of
@@ -104,7 +103,7 @@ impl GivenActor {
 
     pub(super) fn pose(&self, frame: i32) -> Pose<World, Object> {
         let (xyz_m, rpy_rad) = self.at(frame);
-        pose_of(xyz_m, rpy_rad)
+        Pose::from_xyz_rpy(xyz_m, rpy_rad)
     }
 
     /// Over the step that ends at a frame.

@@ -3,7 +3,6 @@
 
 mod actor;
 
-use frames::{Object, Pose, World};
 use nalgebra::{Point3, Vector2};
 use random::Stream;
 use schema::tables::{ActorRow, StateRow};
@@ -16,15 +15,17 @@ use crate::input::SceneInput;
 use crate::occupancy::{CrossingWalker, GIVEN, Occupancy, STANDING};
 use crate::road::net::Net;
 use crate::scene::free_space::Taken;
-use crate::scene::log::actor_lamps;
-use crate::scene::rows::moving;
+use crate::scene::rows::{actor_lamps, moving};
 use crate::swept_path::SweptPaths;
 use crate::vehicle::attention::Class;
 use crate::walking::crowd::{Crowd, radius_m};
 
-/// Others look out for where such an actor is going to be at so many moments, so many frames apart.
-const MOMENTS: i32 = 6;
-const MOMENT_FRAMES: i32 = 10;
+/// Others look out for where such an actor is going to be within so many frames, at places this far apart,
+/// metres.
+const AHEAD_FRAMES: i32 = 60;
+const AHEAD_EVERY_M: f64 = 2.0;
+/// Who reaches this far over the edge of a lane is not yet on it, metres.
+const OVER_EDGE_M: f64 = 0.4;
 /// Lanes whose direction differs by more than this from the actor's are crossed, radians.
 const CROSSES_RAD: f64 = 0.5;
 /// Nobody starts where such a vehicle passes; places are this far apart, metres.
@@ -158,15 +159,20 @@ impl GivenActors {
                 let place = (&actor.position(frame), actor.yaw_rad(frame), actor.model().size_m);
                 occupancy.add_body(net, place, actor.velocity_mps(frame), who, Class::Vehicles);
             }
-            for moment in 0..=MOMENTS {
-                let then = frame + moment * MOMENT_FRAMES;
+            let mut marked: Option<Point3<f64>> = None;
+            for then in frame..=frame + AHEAD_FRAMES {
                 let at = actor.position(then);
-                let reach_m = if actor.is_vehicle() { 0.5 * actor.model().size_m[1] } else { LANE_REACH_M };
-                let in_s = f64::from(moment * MOMENT_FRAMES) * FRAME_PERIOD_S;
+                if marked.is_some_and(|marked| (marked - at).norm() < AHEAD_EVERY_M) {
+                    continue;
+                }
+                marked = Some(at);
+                let half_m = 0.5 * actor.model().size_m[1] - OVER_EDGE_M;
+                let reach_m = if actor.is_vehicle() { half_m.max(0.0) } else { LANE_REACH_M };
+                let in_s = f64::from(then - frame) * FRAME_PERIOD_S;
                 for (lane, along_m) in net.lanes_at(&at, reach_m) {
                     let lane_rad = net.lanes[lane].centre.place(along_m).heading_rad;
                     let askew_rad = frames::wrap_pi(lane_rad - actor.yaw_rad(then)).abs();
-                    if !actor.is_vehicle() || (moment > 0 && askew_rad > CROSSES_RAD) {
+                    if !actor.is_vehicle() || (then > frame && askew_rad > CROSSES_RAD) {
                         occupancy.add_walker(lane, CrossingWalker { along_m, in_s });
                     }
                 }
@@ -223,9 +229,4 @@ impl GivenActors {
         let others = agents.split_off(self.agents);
         [agents, others]
     }
-}
-
-/// A pose from a position and roll, pitch, yaw.
-fn pose_of(xyz_m: [f64; 3], rpy_rad: [f64; 3]) -> Pose<World, Object> {
-    Pose::from_xyz_rpy(xyz_m, rpy_rad)
 }

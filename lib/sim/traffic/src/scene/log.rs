@@ -10,14 +10,12 @@ use crate::input::SimulationLog;
 use crate::road::net::Net;
 use crate::road::sides::Side;
 use crate::scene::placing::ActorIds;
-use crate::scene::rows::moving;
+use crate::scene::rows::{actor_lamps, moving};
 use crate::scene::spawn::Start;
 use crate::vehicle::Vehicle;
 use crate::vehicle::lateral::LaneChange;
 use crate::walking::walker::Walker;
 
-/// Braking above this lights the brake lamps, m/s2.
-const BRAKE_LAMP_MPS2: f64 = 1.0;
 /// Blinkers go on this far before a junction, metres.
 const BLINK_M: f64 = 15.0;
 /// Size of an RSU's body, metres.
@@ -127,12 +125,6 @@ pub(crate) fn weather_lamps(weather: &Weather) -> u32 {
         lamps |= lights::POSITION | lights::LOW_BEAM | lights::FOG;
     }
     lamps
-}
-
-/// Lamps of any vehicle, given those of the weather: brake lamps burn while it brakes or stands.
-pub(crate) fn actor_lamps(weather: u32, along_mps2: f64, speed_mps: f64) -> u32 {
-    let brakes = along_mps2 < -BRAKE_LAMP_MPS2 || speed_mps < 0.05;
-    if brakes { weather | lights::BRAKE } else { weather }
 }
 
 /// Lamps of a vehicle: those of the weather, brake lamps, blinkers before and in junctions, flashing lights.

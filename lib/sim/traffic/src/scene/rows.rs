@@ -4,7 +4,16 @@ use catalogue::{BaseType, Model};
 use frames::{Object, Pose, World};
 use nalgebra::Vector3;
 use schema::tables::{ActorRow, StateRow};
-use schema::{ActorKind, ActorRole, Attributes, FRAME_PERIOD_S, ObjectId};
+use schema::{ActorKind, ActorRole, Attributes, FRAME_PERIOD_S, ObjectId, lights};
+
+/// Braking above this lights the brake lamps, m/s2.
+const BRAKE_LAMP_MPS2: f64 = 1.0;
+
+/// Lamps of any vehicle, given those of the weather: brake lamps burn while it brakes or stands.
+pub(crate) fn actor_lamps(weather: u32, along_mps2: f64, speed_mps: f64) -> u32 {
+    let brakes = along_mps2 < -BRAKE_LAMP_MPS2 || speed_mps < 0.05;
+    if brakes { weather | lights::BRAKE } else { weather }
+}
 
 /// Tags of a model's parts.
 pub(crate) fn tags(base: BaseType) -> Vec<u8> {

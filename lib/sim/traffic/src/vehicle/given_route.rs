@@ -21,46 +21,60 @@ struct Target {
 
 /// The lanes that are still to be passed, in order.
 #[derive(Debug)]
-pub(crate) struct GivenRoute(VecDeque<Target>);
+pub(crate) struct GivenRoute {
+    targets: VecDeque<Target>,
+    /// It has left where it started, and may come to that lane again.
+    is_under_way: bool,
+}
 
 impl GivenRoute {
     /// The route of an agent, if it has one; the first place is where it starts.
     pub(crate) fn of(net: &Net, map: &Map, rows: &[PlanRouteRow], agent: AgentId) -> Option<Self> {
-        let own = rows.iter().filter(|row| row.agent == agent).filter_map(|row| lane_of(net, map, row));
-        let mut lanes: Vec<usize> = own.collect();
-        lanes.dedup();
-        let targets = lanes.iter().skip(1).map(|&lane| Target { lane, ways_m: ways_m(net, lane) });
-        (!lanes.is_empty()).then(|| Self(targets.collect()))
+        let own = rows.iter().filter(|row| row.agent == agent);
+        let mut places: Vec<(usize, f64)> = own.filter_map(|row| place_of(net, map, row)).collect();
+        // Further on along the same lane: it comes there anyway. Farther back: on another round.
+        places.dedup_by(|next, before| {
+            let is_ahead = next.0 == before.0 && next.1 >= before.1;
+            if is_ahead {
+                before.1 = next.1;
+            }
+            is_ahead
+        });
+        let targets = places.iter().skip(1).map(|&(lane, _)| Target { lane, ways_m: ways_m(net, lane) });
+        (!places.is_empty()).then(|| Self { targets: targets.collect(), is_under_way: false })
     }
 
     /// It has come to a lane.
     pub(super) fn pass(&mut self, lane: usize) {
-        while self.0.front().is_some_and(|target| target.lane == lane) {
-            self.0.pop_front();
+        let starts = !std::mem::replace(&mut self.is_under_way, true);
+        if !starts && self.targets.front().is_some_and(|target| target.lane == lane) {
+            self.targets.pop_front();
         }
     }
 
     /// Whether a lane is still to be passed.
     pub(super) fn goes_on(&self) -> bool {
-        !self.0.is_empty()
+        !self.targets.is_empty()
     }
 
-    /// Whether a way leads on from a lane.
-    pub(super) fn may_use(&self, lane: usize) -> bool {
-        self.0.front().is_none_or(|target| target.ways_m[lane].is_finite())
+    /// Whether a way leads on from a lane, or none does from that which it is on either.
+    pub(super) fn may_use(&self, lane: usize, own: usize) -> bool {
+        let leads_on =
+            |lane: usize| self.targets.front().is_none_or(|target| target.ways_m[lane].is_finite());
+        leads_on(lane) || !leads_on(own)
     }
 
     /// The way to the next lane that is to be passed after some lanes, from the beginning of each lane.
     fn ways_after<'a>(&self, lanes: impl Iterator<Item = &'a usize>) -> Option<&[f64]> {
-        let mut targets = self.0.iter().peekable();
+        let mut targets = self.targets.iter().peekable();
         for lane in lanes {
-            while targets.next_if(|target| target.lane == *lane).is_some() {}
+            let _ = targets.next_if(|target| target.lane == *lane);
         }
         targets.next().map(|target| target.ways_m.as_slice())
     }
 
-    /// Where to go on after some lanes, the last of which leads to some others: none where it does not matter
-    /// any more, or no way leads on.
+    /// Where to go on after some lanes ahead, the last of which leads to some others: none where it does not
+    /// matter any more, or no way leads on.
     pub(super) fn next<'a>(&self, lanes: impl Iterator<Item = &'a usize>, onward: &[usize]) -> Option<usize> {
         let ways_m = self.ways_after(lanes)?;
         let best = onward.iter().copied().min_by(|a, b| ways_m[*a].total_cmp(&ways_m[*b]))?;
@@ -79,15 +93,16 @@ impl GivenRoute {
     }
 }
 
-/// The lane of a row.
-fn lane_of(net: &Net, map: &Map, row: &PlanRouteRow) -> Option<usize> {
+/// The lane of a row, and metres along it.
+fn place_of(net: &Net, map: &Map, row: &PlanRouteRow) -> Option<(usize, f64)> {
     let roads = &map.network().roads;
     let is_meant = |info: &&opendrive::LaneInfo| {
         i32::from(info.id.lane) == row.lane
             && (info.s_start..=info.s_end).contains(&row.s_m)
             && roads.get(info.id.road as usize).is_some_and(|road| road.id == row.road)
     };
-    net.find(map.lanes().iter().find(is_meant)?.id)
+    let lane = net.find(map.lanes().iter().find(is_meant)?.id)?;
+    Some((lane, net.lanes[lane].centre.project(row.xyz_m.into()).0))
 }
 
 /// The shortest way from the beginning of each lane to that of one, metres (Dijkstra, backwards).

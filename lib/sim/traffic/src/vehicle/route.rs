@@ -108,7 +108,7 @@ impl Route {
     /// Whether a lane is wide enough for what it tows, and leads on as far as the one that it is on.
     pub(crate) fn may_use(&self, lane: usize) -> bool {
         let own = self.lanes[0];
-        let leads_on = self.given.as_ref().is_none_or(|given| given.may_use(lane));
+        let leads_on = self.given.as_ref().is_none_or(|given| given.may_use(lane, own));
         leads_on
             && self
                 .train
@@ -138,7 +138,8 @@ impl Route {
     /// Draws where to go after a lane.
     fn draw_next(&mut self, net: &Net, lane: usize) -> Option<usize> {
         let next = &net.lanes[lane].next;
-        if let Some(given) = self.given.as_ref().and_then(|given| given.next(self.lanes.iter(), next)) {
+        if let Some(given) = self.given.as_ref().and_then(|given| given.next(self.lanes.iter().skip(1), next))
+        {
             return Some(given);
         }
         let Some(train) = &self.train else { return self.stream.choose(next).copied() };

@@ -35,6 +35,11 @@ fn run(
     simulate(&input, &mut |_, _| ControlFlow::Continue(())).expect("a log")
 }
 
+/// Length of a way in the plane, metres.
+fn way_m([x, y]: [f64; 2]) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
 /// An actor that goes straight on from a place at a speed.
 fn straight_on(
     actor: &str,
@@ -90,7 +95,7 @@ fn actors_are_where_their_trajectories_say_whatever_is_in_the_way() {
             assert_eq!(state.xyz_m, row.xyz_m, "{actor} at {}", state.frame);
             assert!((yaw(state.quaternion) - row.rpy_rad[2]).abs() < 1e-9);
         }
-        let speed = f64::from(states[1].velocity_mps[0].hypot(states[1].velocity_mps[1]));
+        let speed = way_m([0, 1].map(|axis| f64::from(states[1].velocity_mps[axis])));
         let wanted = own[40].xyz_m[0] - own[39].xyz_m[0] + own[40].xyz_m[1] - own[39].xyz_m[1];
         assert!((speed - wanted.abs() / FRAME_PERIOD_S).abs() < 1e-3, "{actor}: {speed}");
     }
@@ -164,7 +169,7 @@ fn vehicles_pass_the_places_of_their_routes() {
             for seed in 1..4 {
                 let log = run(&map, &PlanSceneRow { seed, ..scene(70.0) }, &agents, (&routes, &[]));
                 let own = &tracks(&log)[&log.actors[0].id];
-                let away = |s: &&StateRow| (s.xyz_m[0] - to.position.x).hypot(s.xyz_m[1] - to.position.y);
+                let away = |s: &&StateRow| way_m([s.xyz_m[0] - to.position.x, s.xyz_m[1] - to.position.y]);
                 let nearest = own.iter().map(away).fold(f64::INFINITY, f64::min);
                 assert!(nearest < 1.0, "{lane:?} to {exit:?} with seed {seed}: {nearest}");
             }
