@@ -1,7 +1,8 @@
 //! What the next run would plan: the planner says it, without writing.
 
+use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use runner::Graph;
 
@@ -36,16 +37,20 @@ impl Replanning {
         Self { arguments, has_maps: maps.is_some() }
     }
 
+    /// Whether the planner has to be asked: not where the plan stands, unless a folder of maps is named, in
+    /// which something could have changed.
+    pub(crate) fn is_wanted(&self, is_planned: bool) -> bool {
+        !is_planned || self.has_maps
+    }
+
     /// Lines for people on what would be made again and added, and whether the plan stands. None where the
-    /// plan stands and no folder of maps is named in which something could have changed, and where the
     /// planner cannot say it: then it has said why.
-    pub(crate) fn lines(&self, is_planned: bool) -> Option<(Vec<String>, bool)> {
-        if is_planned && !self.has_maps {
-            return None;
-        }
+    pub(crate) fn lines(&self) -> Option<(Vec<String>, bool)> {
         let beside = std::env::current_exe().ok()?.parent()?.join(Graph::get().planner().name);
-        let outcome = Command::new(beside).args(&self.arguments).stderr(Stdio::inherit()).output().ok()?;
+        let outcome = Command::new(beside).args(&self.arguments).output().ok()?;
         if !outcome.status.success() {
+            // What is only suspicious, a run says.
+            let _ = std::io::stderr().write_all(&outcome.stderr);
             return None;
         }
         let said = String::from_utf8_lossy(&outcome.stdout).into_owned();

@@ -25,8 +25,11 @@ pub(crate) fn status(
         let all_done = status_table(Status::new(&store, &editions, programs), Some(&editions), &store, only)?;
         let planner = Graph::get().planner();
         let is_planned = Status::new(&store, &editions, programs).state(planner, Scope::Plan)? == State::Done;
-        // What another plan would be, the planner knows.
-        if let Some((lines, is_kept)) = replanning.lines(is_planned) {
+        // What another plan would be, the planner knows; of a store without scenes nothing is made again.
+        if replanning.is_wanted(is_planned)
+            && !store.backend().list("scenes")?.is_empty()
+            && let Some((lines, is_kept)) = replanning.lines()
+        {
             lines.iter().for_each(|line| say(line));
             return Ok(all_done && is_kept);
         }
