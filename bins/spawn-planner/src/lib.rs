@@ -11,7 +11,7 @@ use std::path::Path;
 use catalogue::Catalogue;
 use packs::PackModel;
 use plan::{Plan, PlanError, PlanMap, PlanSources, Roster, SceneSlot};
-use runner::forecast::{self, Planned};
+use runner::forecast::{self, Machine, Planned};
 use runner::{At, Editions, Job, Place, Stage, StageError, StageSettings};
 use schema::table::Row;
 use schema::tables::{
@@ -40,11 +40,10 @@ pub const STAGE: Stage<PlanSettings> = Stage {
     }),
     // Plans without writing, and says what that would come to.
     forecast: Some(|editions, folder, store| {
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let made = make(&PlanSettings::of_dataset(editions), folder, store)?;
         let Made { roster, plan, .. } = made;
         let planned = Planned { scenes: &plan.scenes, agents: &plan.agents };
-        Ok(forecast::lines(&editions.with_scenes(kinds(&roster)), &planned, cores))
+        Ok(forecast::lines(&editions.with_scenes(kinds(&roster)), &planned, Machine::measured()))
     }),
     suspicions: Some(suspicions),
 };

@@ -51,8 +51,8 @@ pub(crate) enum StoreCommand {
         /// it equals, else the newest).
         #[arg(long, value_name = "N")]
         edition: Option<u32>,
-        /// Make finished work again that a changed configuration makes stale. Without it `run` asks, or ends
-        /// with 2 and touches nothing, where that is more than `store.ask_beyond_s`.
+        /// Make finished work again that a changed configuration or newer code makes stale. Without it
+        /// `run` asks, or ends with 2 and touches nothing, where that is more than `store.ask_beyond_s`.
         #[arg(long)]
         redo: bool,
         /// Warnings about the configuration and about the plan are errors (2).
@@ -227,6 +227,8 @@ fn run(common: &[String], of_planner: &[&str], scenes: Option<&str>, store: &std
         // The planner asks for all stages, and records what was agreed: they do not ask again.
         if stage.unit == UnitKind::Plan {
             command.args(of_planner);
+        } else {
+            command.arg("--redo-older");
         }
         let start = Instant::now();
         let code = match run_program(&mut command) {

@@ -6,7 +6,7 @@ settings! {
     /// How the store is kept.
     pub struct StoreSettings {
         /// Finished work of so many seconds of one core, estimated, is not made again because the
-        /// configuration changed, unless `--redo` says so.
+        /// configuration or the code changed, unless `--redo` says so.
         ask_beyond_s: f64 = 60.0, within(0.0..=1e9);
     }
 }

@@ -42,10 +42,13 @@ pub struct StageArgs {
     /// Redo scenes that are done; what was made from them becomes stale.
     #[arg(long)]
     force: bool,
-    /// Make finished work again that a changed configuration makes stale. Without it a stage asks, or ends
-    /// with 2, where that is more than `store.ask_beyond_s`.
+    /// Make finished work again that a changed configuration or newer code makes stale. Without it a stage
+    /// asks, or ends with 2, where that is more than `store.ask_beyond_s`.
     #[arg(long)]
     redo: bool,
+    /// Make again what older code made: `convoy run` says so to its stages once the planner has asked.
+    #[arg(long, hide = true)]
+    redo_older: bool,
     /// Warnings about the configuration and about the plan are errors (2).
     #[arg(long)]
     strict: bool,
@@ -114,6 +117,7 @@ impl From<StageArgs> for StageOptions {
             edition,
             force,
             redo,
+            redo_older,
             strict,
             accept_code,
             threads,
@@ -131,6 +135,7 @@ impl From<StageArgs> for StageOptions {
             edition,
             force,
             redo,
+            redo_older,
             strict,
             accept_code,
             threads,

@@ -1,5 +1,5 @@
 //! What a run would make again although it is finished, and why. Nothing is replaced by a slip: what a
-//! changed configuration makes stale is asked about first.
+//! changed configuration or other code makes stale is asked about first.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -11,7 +11,7 @@ use settings::{DatasetSettings, KeyChange};
 use store::{Manifest, Output, Scope, Store, StoreError, keys};
 
 use crate::editions::Editions;
-use crate::forecast::{Work, work_by_stage, work_of_sensors};
+use crate::forecast::{Work, span, work_by_stage, work_of_sensors};
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::is_imported;
 use crate::programs::Programs;
@@ -43,6 +43,17 @@ impl fmt::Display for Cause {
     }
 }
 
+/// What is to blame that finished work would be made again; later ones count for more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Blame {
+    /// Nothing to ask about: it was asked about before.
+    Nothing,
+    /// The version or the program of a stage.
+    Code,
+    /// The configuration, or the maps.
+    Configuration,
+}
+
 /// Finished work of a stage that would be made again for one reason.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Redo {
@@ -53,8 +64,7 @@ struct Redo {
 /// A finished stage of a scene that would be made again.
 struct Finished {
     cause: Cause,
-    /// Whether the configuration is to blame.
-    asks: bool,
+    blame: Blame,
     /// Bytes as stored.
     bytes: f64,
     /// Of a changed configuration, the shards that it concerns, where the stage keeps the others.
@@ -64,8 +74,8 @@ struct Finished {
 /// What a run would make again although it is finished.
 #[derive(Debug, Default)]
 pub struct Foresight {
-    /// By the stage's place in the graph, reason, and whether the configuration is to blame.
-    redone: BTreeMap<(usize, Cause, bool), Redo>,
+    /// By the stage's place in the graph, reason and blame.
+    redone: BTreeMap<(usize, Cause, Blame), Redo>,
     /// The keys that have other values than in the configuration that the store was made with.
     changes: Vec<KeyChange>,
     /// Whether there are such keys, or nobody knows what the store was made with.
@@ -148,7 +158,7 @@ impl Foresight {
                 work.bytes = work.bytes.max(redo.bytes);
                 work.core_s = work.core_s.max(redo.bytes / BYTES_PER_CORE_S);
                 let position = Graph::get().stages.iter().position(|s| s.name == stage).unwrap_or_default();
-                let all = foresight.redone.entry((position, redo.cause, redo.asks)).or_default();
+                let all = foresight.redone.entry((position, redo.cause, redo.blame)).or_default();
                 all.scenes.push(*scene);
                 all.work += work;
             }
@@ -166,7 +176,7 @@ impl Foresight {
     ) -> Result<Vec<(&'static str, Finished)>, StateError> {
         let (planner, scope) = (Graph::get().planner().name, Scope::Scene(scene));
         let settings = editions.of(scope);
-        let mut redone: BTreeMap<&'static str, (bool, Option<BTreeSet<String>>)> = BTreeMap::new();
+        let mut redone: BTreeMap<&'static str, (Blame, Option<BTreeSet<String>>)> = BTreeMap::new();
         let mut manifests: BTreeMap<&'static str, Manifest> = BTreeMap::new();
         let mut found = Vec::new();
         for &stage in stages {
@@ -179,11 +189,11 @@ impl Foresight {
             };
             let made_of = manifest.inputs.get(planner);
             let input = stage.inputs().find_map(|input| {
-                let (asks, changed) = redone.get(input.name)?;
+                let (blame, changed) = redone.get(input.name)?;
                 let is_read = |changed: &BTreeSet<String>| {
                     part(input).is_none_or(|part| changed.iter().any(|key| part.has(key)))
                 };
-                changed.as_ref().is_none_or(is_read).then_some((input.name, *asks))
+                changed.as_ref().is_none_or(is_read).then_some((input.name, *blame))
             });
             // Made again already, by whoever was asked then.
             let renewed = stage.inputs().find(|input| {
@@ -192,17 +202,20 @@ impl Foresight {
             });
             let cause = if made_of.is_some_and(|digest| digest != now) {
                 // Where the plan was made anew already, whoever did that was asked.
-                Some((Cause::Plan, planned.is_none() || made_of == planned.as_ref()))
+                let is_asked = planned.is_some() && made_of != planned.as_ref();
+                Some((Cause::Plan, if is_asked { Blame::Nothing } else { Blame::Configuration }))
             } else if manifest.config_hash != config_hash(stage, editions, scope)? {
-                Some((Cause::Configuration, self.differs))
-            } else if let Some((name, asks)) = input {
-                Some((Cause::Input(name), asks))
+                let blame = if self.differs { Blame::Configuration } else { Blame::Nothing };
+                Some((Cause::Configuration, blame))
+            } else if let Some((name, blame)) = input {
+                Some((Cause::Input(name), blame))
             } else if let Some(input) = renewed {
-                Some((Cause::Input(input.name), false))
+                Some((Cause::Input(input.name), Blame::Nothing))
             } else {
-                code_cause(intent, stage.name, &manifest).map(|why| (Cause::Code(why.to_string()), false))
+                code_cause(intent, stage.name, &manifest)
+                    .map(|why| (Cause::Code(why.to_string()), Blame::Code))
             };
-            if let Some((cause, asks)) = cause {
+            if let Some((cause, blame)) = cause {
                 let is_by_settings = cause == Cause::Configuration && input.is_none() && renewed.is_none();
                 let changed = if is_by_settings && code_cause(intent, stage.name, &manifest).is_none() {
                     let made_from = |scene, agents: &[AgentId]| (shards.made_from)(settings, scene, agents);
@@ -210,14 +223,14 @@ impl Foresight {
                 } else {
                     None
                 };
-                redone.insert(stage.name, (asks, changed.clone()));
+                redone.insert(stage.name, (blame, changed.clone()));
                 if intent.stages.iter().any(|wanted| wanted.name == stage.name) {
                     let is_redone = |output: &&Output| {
                         changed.as_ref().is_none_or(|changed| changed.contains(&output.key))
                     };
                     let redone = manifest.outputs.iter().filter(is_redone);
                     let bytes = redone.map(|output| output.bytes as f64).sum();
-                    found.push((stage.name, Finished { cause, asks, bytes, changed }));
+                    found.push((stage.name, Finished { cause, blame, bytes, changed }));
                 }
             }
             manifests.insert(stage.name, manifest);
@@ -237,17 +250,16 @@ impl Foresight {
         (!self.added.is_empty()).then(|| format!("{count} {}", ranges(&self.added)))
     }
 
-    /// Estimated work that would be made again because the configuration changed, seconds of one core.
-    #[must_use]
-    pub fn asked_s(&self) -> f64 {
-        let asked = self.redone.iter().filter(|((_, _, asks), _)| *asks);
-        asked.map(|(_, redo)| redo.work.core_s).sum()
+    /// Estimated work that would be made again by some blame at least, seconds of one core; none where there
+    /// is no such work.
+    pub(crate) fn blamed_s(&self, least: Blame) -> Option<f64> {
+        let blamed = self.redone.iter().filter(|((_, _, blame), _)| *blame >= least);
+        blamed.map(|(_, redo)| redo.work.core_s).reduce(|a, b| a + b)
     }
 
-    /// Whether anything would be made again because the configuration changed.
-    #[must_use]
-    pub fn asks(&self) -> bool {
-        self.redone.keys().any(|(_, _, asks)| *asks)
+    /// Whether anything would be made again by just this blame.
+    pub(crate) fn blames(&self, what: Blame) -> bool {
+        self.redone.keys().any(|(_, _, blame)| *blame == what)
     }
 
     /// What would be made again, for people: a line for each stage and reason, with the stage.
@@ -271,11 +283,8 @@ impl Foresight {
 
 /// Seconds in words of a fitting unit.
 fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s < 90.0 => format!("{s:.0} s"),
-        s if s < 5400.0 => format!("{:.0} minutes", s / 60.0),
-        s => format!("{:.1} hours", s / 3600.0),
-    }
+    let (amount, unit) = span(seconds);
+    format!("{amount} {unit}")
 }
 
 /// Ascending numbers as `0-3, 7`.

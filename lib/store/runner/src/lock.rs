@@ -75,20 +75,33 @@ impl LockEvents for Teller {
     }
 
     fn watches(&self, holder: &Holder) {
-        tracing::info!("waits to see whether this one still works on the store: {holder}");
+        tracing::info!("{}", waiting(holder));
     }
 
     fn takes_over(&self, from: &[Holder]) {
-        if let Some((first, others)) = from.split_first() {
-            let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
-            tracing::warn!("takes over the store from {first}{more}: ended without a word");
+        if let Some(taken) = taken_over(from) {
+            tracing::warn!("{taken}");
         }
     }
 
     fn is_lost(&self, to: &Holder) {
-        tracing::error!("nothing was heard from this process for a while, and the store went to {to}: stops");
+        tracing::error!("{}", lost(to));
         interrupt::stop();
     }
+}
+
+fn waiting(holder: &Holder) -> String {
+    format!("waits to see whether this one still works on the store: {holder}")
+}
+
+fn taken_over(from: &[Holder]) -> Option<String> {
+    let (first, others) = from.split_first()?;
+    let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
+    Some(format!("takes over the store from {first}{more}: ended without a word"))
+}
+
+fn lost(to: &Holder) -> String {
+    format!("nothing was heard from this process for a while, and the store went to {to}: stops")
 }
 
 #[cfg(test)]
@@ -129,5 +142,27 @@ mod tests {
         assert!(hold(&store, &other, "bev-gt").is_err());
         drop(alone);
         hold(&store, &other, "bev-gt").expect("is free");
+    }
+
+    #[test]
+    fn holders_are_named_to_people() {
+        let holder = |process: u32| -> Holder {
+            let said = serde_json::json!({
+                "work": "convoy run of `town`, configuration 0a1b2c3d",
+                "owner": "mira",
+                "host": "node-7",
+                "process": process,
+                "since": "2026-11-28T09:00:00Z",
+            });
+            serde_json::from_value(said).expect("is a holder")
+        };
+        insta::assert_snapshot!(waiting(&holder(17)), @"waits to see whether this one still works on the store: mira on node-7, process 17, since 2026-11-28T09:00:00Z (convoy run of `town`, configuration 0a1b2c3d)");
+        assert_eq!(taken_over(&[]), None);
+        let taken = [&[holder(17)][..], &[holder(17), holder(18), holder(19)]].map(taken_over);
+        insta::assert_snapshot!(taken.map(Option::unwrap_or_default).join("\n"), @"
+        takes over the store from mira on node-7, process 17, since 2026-11-28T09:00:00Z (convoy run of `town`, configuration 0a1b2c3d): ended without a word
+        takes over the store from mira on node-7, process 17, since 2026-11-28T09:00:00Z (convoy run of `town`, configuration 0a1b2c3d) and 2 more: ended without a word
+        ");
+        insta::assert_snapshot!(lost(&holder(17)), @"nothing was heard from this process for a while, and the store went to mira on node-7, process 17, since 2026-11-28T09:00:00Z (convoy run of `town`, configuration 0a1b2c3d): stops");
     }
 }

@@ -23,6 +23,8 @@ pub struct StageOptions {
     pub force: bool,
     /// Make finished work again that a changed configuration makes stale, however much it is.
     pub redo: bool,
+    /// Make again what older code made: `convoy run` says so to its stages once the planner has asked.
+    pub redo_older: bool,
     /// What is suspicious in the configuration or the plan is an error.
     pub strict: bool,
     /// Keep what an older version or program made, where nothing else changed.

@@ -13,7 +13,7 @@ use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, Unit, ke
 
 use crate::editions::{self, Editions};
 use crate::error::{Place, StageError};
-use crate::foresight::{Foresight, Intent};
+use crate::foresight::{Blame, Foresight, Intent};
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::{self, is_imported};
 use crate::options::{ProgressMode, StageOptions};
@@ -239,6 +239,7 @@ fn try_run<S: StageSettings>(
         edition,
         force,
         redo,
+        redo_older,
         strict,
         accept_code,
         threads,
@@ -274,6 +275,7 @@ fn try_run<S: StageSettings>(
         maps: maps.clone(),
         force: *force,
         redo: *redo,
+        redo_older: *redo_older,
         accept_code: *accept_code,
         progress: *progress,
     };
@@ -323,6 +325,7 @@ struct Run<'a, S> {
     maps: Option<PathBuf>,
     force: bool,
     redo: bool,
+    redo_older: bool,
     accept_code: bool,
     progress: ProgressMode,
 }
@@ -429,7 +432,7 @@ impl<S: StageSettings> Run<'_, S> {
         self.spec.unit == UnitKind::Plan || stage == self.spec.name
     }
 
-    /// Says what is made again, and asks where that is much and the configuration is to blame.
+    /// Says what is made again, and asks where that is much and the configuration or the code is to blame.
     fn agree(&self, foresight: &Foresight) -> Result<(), StageError> {
         let told = foresight.lines();
         if told.is_empty() {
@@ -437,21 +440,31 @@ impl<S: StageSettings> Run<'_, S> {
         }
         let verb = |stage: &str| if self.makes(stage) { "makes again" } else { "makes stale" };
         let lines = told.into_iter().map(|(stage, line)| format!("{} {line}", verb(stage)));
-        let lines: Vec<String> = lines.chain(foresight.changed()).collect();
+        let added = foresight.added().map(|scenes| format!("adds {scenes}"));
+        let lines: Vec<String> = lines.chain(added).chain(foresight.changed()).collect();
         let limit_s = self.editions.given().store.ask_beyond_s;
-        let is_much = foresight.asks() && foresight.asked_s() >= limit_s;
+        let least = if self.redo_older { Blame::Configuration } else { Blame::Code };
+        let is_much = foresight.blamed_s(least).is_some_and(|asked_s| asked_s >= limit_s);
         if self.redo || !is_much || confirmed(&lines)? {
             lines.iter().for_each(|line| tracing::info!("{line}"));
             // What was agreed is not asked again, by whoever goes on with it.
-            if foresight.asks() && self.spec.unit == UnitKind::Scene {
+            if foresight.blames(Blame::Configuration) && self.spec.unit == UnitKind::Scene {
                 self.renew_record()?;
             }
             return Ok(());
         }
+        let mut ways = vec!["--redo makes it again"];
+        if foresight.blames(Blame::Code) {
+            ways.push("--accept-code keeps what older code made");
+        }
+        if foresight.blames(Blame::Configuration) {
+            ways.push("--grow leaves it, and makes further scenes alone by this configuration");
+        }
         Err(StageError::usage(format!(
-            "nothing was touched, as this\n  {}\n--redo makes it again; --grow leaves it, and makes further scenes alone by this \
-             configuration; another --store keeps what is there, too (asked beyond store.ask_beyond_s = {limit_s} s)",
-            lines.join("\n  ")
+            "nothing was touched, as this\n  {}\n{}; another --store keeps what is there, too (asked beyond \
+             store.ask_beyond_s = {limit_s} s)",
+            lines.join("\n  "),
+            ways.join("; ")
         )))
     }
 

@@ -1,5 +1,6 @@
 //! What a plan will cost: frames exactly, bytes and hours by rates measured on whole datasets.
 
+mod machine;
 mod rates;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,6 +12,8 @@ use settings::{BevSettings, DatasetSettings, Lens, Rig, Split};
 use store::{Scope, kind_names};
 
 use crate::editions::Editions;
+
+pub use machine::Machine;
 
 /// Bytes as stored, measured on four datasets of 240 agent-frames each (the demo town and three of CARLA's).
 /// Busy places take more: good within a factor of two.
@@ -276,9 +279,9 @@ fn size(bytes: f64) -> DecimalBytes {
     DecimalBytes(bytes.round() as u64)
 }
 
-/// What to expect of a plan, line by line; `cores` are those of this machine.
+/// What to expect of a plan on a machine, line by line.
 #[must_use]
-pub fn lines(editions: &Editions, plan: &Planned<'_>, cores: usize) -> Vec<String> {
+pub fn lines(editions: &Editions, plan: &Planned<'_>, machine: Machine) -> Vec<String> {
     let forecast = Forecast::of(editions, plan);
     let maps = plan.scenes.iter().map(|s| &s.map).collect::<BTreeSet<_>>().len();
     let of_split = |split: Split| {
@@ -310,13 +313,22 @@ pub fn lines(editions: &Editions, plan: &Planned<'_>, cores: usize) -> Vec<Strin
         let (count, size) = (HumanCount(share.count).to_string(), size(share.bytes).to_string());
         lines.push(format!("  {name:<22} {count:>13} {size:>10}"));
     }
-    let (hours, cores) = (forecast.core_s() / 3600.0, cores.max(1));
+    let (core_s, cores) = (forecast.core_s() * machine.times, machine.cores.max(1));
+    let ((all, unit), (shared, shared_unit)) = (span(core_s), span(core_s / cores as f64));
     lines.push(format!("about {} on disk", size(total)));
     lines.push(format!(
-        "about {hours:.1} core-hours: {:.1} hours on {cores} cores, without a GPU",
-        hours / cores as f64
+        "about {all} core-{unit}: {shared} {shared_unit} on {cores} cores of this machine, without a GPU"
     ));
     lines
+}
+
+/// Seconds as an amount of a fitting unit.
+pub(crate) fn span(seconds: f64) -> (String, &'static str) {
+    match seconds {
+        s if s < 90.0 => (format!("{s:.0}"), "s"),
+        s if s < 5400.0 => (format!("{:.0}", s / 60.0), "minutes"),
+        s => (format!("{:.1}", s / 3600.0), "hours"),
+    }
 }
 
 #[cfg(test)]
@@ -542,7 +554,7 @@ mod tests {
 
     #[test]
     fn lines_are_for_people() {
-        insta::assert_snapshot!(lines(&Editions::only(&settings()), &plan().rows(), 4).join("\n"), @"
+        insta::assert_snapshot!(lines(&Editions::only(&settings()), &plan().rows(), Machine { cores: 4, times: 1.0 }).join("\n"), @"
         2 scenes (1 train, 0 val, 1 test) on 1 maps, 30 s, 600 frames
         1,200 agent-frames: 800 of vehicles, 400 of RSUs
           BEV masks                      1,200   15.36 MB
@@ -553,7 +565,7 @@ mod tests {
           radar readings                 3,600  150.14 MB
           voxel grids                    2,400    2.95 GB
         about 7.28 GB on disk
-        about 0.3 core-hours: 0.1 hours on 4 cores, without a GPU
+        about 21 core-minutes: 5 minutes on 4 cores of this machine, without a GPU
         ");
     }
 }

@@ -50,6 +50,7 @@ fn run_of<'a>(
         store: store.clone(),
         maps: None,
         redo: false,
+        redo_older: false,
         force: false,
         accept_code: false,
         progress: ProgressMode::None,
@@ -63,6 +64,25 @@ const SCENES: [Scope; 3] = [Scope::Scene(0), Scope::Scene(1), Scope::Scene(2)];
 
 fn states(run: &Run<'_, MaskSettings>) -> [State; 3] {
     SCENES.map(|scope| run.state(scope, &BTreeMap::new()).expect("is known"))
+}
+
+/// Why masks of a scene are what they are, with versions of now written as N.
+fn chain(run: &Run<'_, MaskSettings>, scope: Scope) -> String {
+    let lines =
+        crate::why::why(&run.store, &run.editions, run.programs, (run.spec, scope)).expect("is known");
+    let mut stage = "";
+    let mut told = String::new();
+    for line in &lines {
+        if let Some(spec) =
+            Graph::get().stages.iter().find(|s| line.trim().starts_with(&format!("{}: ", s.name)))
+        {
+            stage = spec.name;
+        }
+        let version = crate::code_version(stage);
+        let line = line.replace(&format!("by version {version}:"), "by version N:");
+        told += &(line.replace(&format!("-> {version}"), "-> N") + "\n");
+    }
+    told
 }
 
 fn write(job: &mut Job<'_, MaskSettings>, bytes: usize) -> Result<(), StageError> {
@@ -165,6 +185,15 @@ fn what_older_code_made_is_kept_when_told_so() {
     }
     let stale = State::Stale(Staleness::Code);
     assert_eq!(states(&run), [State::Done, stale.clone(), stale.clone()]);
+    insta::assert_snapshot!(chain(&run, SCENES[1]), @"
+    bev-gt: stale: the code changed
+      made by version 0.0.9+older: 1 file, 10 B
+      version: 0.0.9+older -> N
+      simulate-and-log: done
+        made by version N: 0 files, 0 B
+        spawn-planner: done
+          made by version N: 0 files, 0 B
+    ");
 
     let digest = of(SCENES[1]).digest();
     let accepting = Run { accept_code: true, ..run_of(&settings, &store, |_| panic!("is not run")) };
@@ -210,6 +239,15 @@ fn an_edited_program_makes_its_stage_again_and_leaves_others() {
     assert_eq!(states(&of_build(programs(None, "p"), |_| Ok(()))), done, "other files were edited");
     let edited = of_build(programs(None, "q"), |job| write(job, 20));
     assert_eq!(states(&edited), all_stale);
+    insta::assert_snapshot!(chain(&edited, SCENES[1]), @"
+    bev-gt: stale: the program changed (a build with uncommitted changes)
+      made by version N: 1 file, 10 B
+      program: p -> q (one of them has uncommitted changes)
+      simulate-and-log: done
+        made by version N: 0 files, 0 B
+        spawn-planner: done
+          made by version N: 0 files, 0 B
+    ");
     let editions = Editions::only(&settings);
     let status = Status::new(&store, &editions, edited.programs);
     let log = Graph::get().stage(LOG_STAGE).expect("is a stage");
