@@ -3,6 +3,11 @@
 use std::io;
 use std::path::PathBuf;
 
+use arrow_schema::DataType;
+use parquet::basic::Compression;
+use parquet::errors::ParquetError;
+use schema::FRAME_PERIOD_S;
+
 /// The wish for scenes leads nowhere.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum RosterError {
@@ -58,14 +63,75 @@ pub(crate) enum TrajectoryError {
         written: String,
     },
     /// It holds no trajectories.
-    #[error("{path} (agents.trajectories): {problem}")]
+    #[error("{path} (agents.trajectories)")]
     Bad {
         /// The file.
         path: String,
         /// What is wrong with it.
-        problem: String,
+        #[source]
+        problem: TrajectoryFault,
     },
 }
+
+/// What is wrong with a file of trajectories.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum TrajectoryFault {
+    /// It cannot be opened.
+    #[error("cannot be read")]
+    Unreadable(#[source] io::Error),
+    /// Its footer is of no Parquet file.
+    #[error("is no readable Parquet file")]
+    NoParquet(#[source] ParquetError),
+    /// Its pages cannot be read.
+    #[error("is damaged")]
+    Damaged(#[source] ParquetError),
+    /// It would take too much memory.
+    #[error("has {rows} rows, more than {most}: split it by groups of scenes")]
+    TooLong { rows: i64, most: i64 },
+    /// A compression that this build cannot undo.
+    #[error("is compressed by {0}: write it with compression=\"zstd\", \"snappy\" or none")]
+    Packed(Compression),
+    /// A column is missing.
+    #[error("has no column `{0}` ({COLUMNS})")]
+    NoColumn(&'static str),
+    /// Two columns say when.
+    #[error("has both `frame` and `time_s`: leave one out ({COLUMNS})")]
+    FramesAndTimes,
+    /// No column says when.
+    #[error("has neither `frame` nor `time_s` ({COLUMNS})")]
+    NeitherFramesNorTimes,
+    /// A column has gaps.
+    #[error("column `{0}` has rows without a value")]
+    NoValue(&'static str),
+    /// A column of other values.
+    #[error("column `{name}` is of type {found}, expected {expected}")]
+    Type { name: &'static str, found: DataType, expected: &'static str },
+    /// A time between frames.
+    #[error("row {row}: `time_s` is {time_s}, no multiple of {FRAME_PERIOD_S} s: resample to 20 Hz")]
+    Time { row: usize, time_s: f64 },
+    /// A number that no scene can have.
+    #[error("row {row}: `scene` is {number}")]
+    Scene { row: usize, number: i64 },
+    /// Two poses of one frame.
+    #[error("{whose} has frame {frame} twice")]
+    Twice { whose: String, frame: i64 },
+    /// A frame without a pose.
+    #[error("{whose} has no frame {}: after {before} comes {after}", before + 1)]
+    Gap { whose: String, before: i64, after: i64 },
+    /// A frame far outside any scene.
+    #[error("{whose} has a frame {frame}")]
+    Frame { whose: String, frame: i64 },
+    /// An actor that turns into another.
+    #[error("{whose} has two models, `{first}` and `{other}`")]
+    TwoModels { whose: String, first: String, other: String },
+    /// Nothing is in it.
+    #[error("has no rows")]
+    Empty,
+}
+
+/// All columns that there may be.
+const COLUMNS: &str = "columns: actor, frame (or time_s), x_m, y_m, yaw_rad, and optionally scene, model, \
+                       z_m, roll_rad, pitch_rad";
 
 /// A pack of models cannot be used.
 #[derive(Debug, thiserror::Error)]

@@ -4,6 +4,7 @@ mod error;
 mod maps;
 mod models;
 mod trajectories;
+mod trajectory_file;
 
 use std::collections::BTreeMap;
 use std::path::Path;
