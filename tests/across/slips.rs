@@ -17,7 +17,7 @@ fn run(bench: &Bench, args: &[&str]) -> Outcome {
 }
 
 /// What a program said, without the folder and the amounts of work, which change with what drives by.
-fn words(bench: &Bench, outcome: &Outcome) -> String {
+pub(crate) fn words(bench: &Bench, outcome: &Outcome) -> String {
     let said = outcome.stderr.replace(&bench.folder.path().display().to_string(), "FOLDER");
     let line = |line: &str| line.split(", about").next().unwrap_or_default().trim_end().to_owned() + "\n";
     said.lines().filter(|line| !line.contains(" done, ")).map(line).collect()
@@ -142,7 +142,8 @@ fn another_map_of_the_same_name_is_asked_about() {
     bench.run("simulate-and-log", &[]).expect_done();
     let before = bench.digests();
     let refused = run(&there);
-    assert!(refused.code == 2 && refused.stderr.contains("simulate-and-log: scene 0 (planned otherwise)"));
+    assert_eq!(refused.code, 2, "{refused:?}");
+    insta::assert_snapshot!("plan-of-another-map", words(&bench, &refused));
     assert!(bench.digests() == before);
     run(&here).expect_done();
     assert!(bench.digests() == before);
