@@ -48,9 +48,9 @@ mod core_seconds {
     /// What lidars saw of voxels, by ray.
     pub(super) const OBSERVED_RAY: f64 = 4e-6;
     /// Simulation and boxes of a frame.
-    pub(super) const SIMULATED: f64 = 0.03;
+    pub(super) const SIMULATED: f64 = 0.004;
     /// A frame's world for what looks at it: its triangles and the trees over them.
-    pub(super) const WORLD: f64 = 0.03;
+    pub(super) const WORLD: f64 = 0.015;
     /// Light and shadow maps of a frame in colour.
     pub(super) const LIGHT: f64 = 0.12;
     /// What is valid of a frame's boxes.
@@ -565,7 +565,7 @@ mod tests {
           radar readings                 3,600  150.14 MB
           voxel grids                    2,400    2.95 GB
         about 7.28 GB on disk
-        about 21 core-minutes: 5 minutes on 4 cores of this machine, without a GPU
+        about 19 core-minutes: 5 minutes on 4 cores of this machine, without a GPU
         ");
     }
 }
