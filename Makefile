@@ -51,7 +51,7 @@ COMMON      = --config $(CONFIG) --store $(STORE)
 .PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels docs help
 
 help:
-	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [REDO=1] [GROW=1] [STRICT=1]    (STORE: dataset for the demo, else the configuration's name)"
+	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [REDO=1] [ACCEPT_CODE=1] [GROW=1] [STRICT=1]    (STORE: dataset for the demo, else the configuration's name)"
 	@echo "make forecast                      (same arguments: scenes, frames, bytes and hours to expect)"
 	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
 	@echo "make status | stats | verify        (same CONFIG and STORE; status WHY='3 bev-gt': why a stage of a scene is so)"
