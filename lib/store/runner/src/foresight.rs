@@ -281,9 +281,9 @@ impl Foresight {
     }
 }
 
-/// Seconds in words of a fitting unit.
+/// Seconds in words of a fitting unit, one at least.
 fn duration(seconds: f64) -> String {
-    let (amount, unit) = span(seconds);
+    let (amount, unit) = span(seconds.max(1.0));
     format!("{amount} {unit}")
 }
 
@@ -394,6 +394,6 @@ mod tests {
     fn numbers_and_times_are_for_people() {
         assert_eq!(ranges(&[0, 1, 2, 5, 7, 8]), "0-2, 5, 7-8");
         assert_eq!(ranges(&[]), "");
-        assert_eq!([12.4, 600.0, 7200.0].map(duration), ["12 s", "10 minutes", "2.0 hours"]);
+        assert_eq!([0.2, 12.4, 600.0, 7200.0].map(duration), ["1 s", "12 s", "10 minutes", "2.0 hours"]);
     }
 }
