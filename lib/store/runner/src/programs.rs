@@ -5,6 +5,7 @@ use std::env::consts::EXE_SUFFIX;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use memchr::memmem;
 use store::MadeBy;
 
 /// The stamp that a build writes into its programs: a name, the commit (spaces where there is none), `+` for
@@ -93,25 +94,12 @@ fn is_commit(bytes: &[u8]) -> bool {
 
 /// Sets the bytes after each place of a name to zero, where they are of a kind.
 fn blank_after(file: &mut [u8], name: &[u8], len: usize, is_of_kind: impl Fn(&[u8]) -> bool) {
-    let mut from = 0;
-    while let Some(found) = find(&file[from..], name) {
-        from += found + name.len();
+    let places: Vec<usize> = memmem::find_iter(file, name).map(|at| at + name.len()).collect();
+    for from in places {
         if let Some(bytes) = file.get_mut(from..from + len).filter(|bytes| is_of_kind(bytes)) {
             bytes.fill(0);
         }
     }
-}
-
-fn find(text: &[u8], name: &[u8]) -> Option<usize> {
-    let first = *name.first()?;
-    let mut from = 0;
-    while let Some(at) = text[from..].iter().position(|byte| *byte == first) {
-        if text[from + at..].starts_with(name) {
-            return Some(from + at);
-        }
-        from += at + 1;
-    }
-    None
 }
 
 #[cfg(test)]
