@@ -13,7 +13,7 @@ use catalogue::Catalogue;
 use packs::PackModel;
 use plan::{Plan, PlanError, PlanMap, PlanSources, Roster, SceneSlot};
 use runner::forecast::{self, Machine, Planned};
-use runner::{At, Editions, Job, Place, Stage, StageError, StageSettings};
+use runner::{At, Job, Outlook, Place, Stage, StageError};
 use schema::table::Row;
 use schema::tables::{
     PlanAgentRow, PlanHazardRow, PlanModelRow, PlanRouteRow, PlanSceneRow, PlanTrajectoryRow, PlanWeatherRow,
@@ -35,16 +35,15 @@ pub const STAGE: Stage<PlanSettings> = Stage {
         all
     },
     // Plans without writing.
-    sections: Some(|settings, folder, store| {
-        let Made { plan, models, .. } = make(settings, folder, store)?;
-        sections(store, &plan, &models)
+    sections: Some(|outlook| {
+        let Made { plan, models, .. } = made(outlook)?;
+        sections(outlook.store, plan, models)
     }),
     // Plans without writing, and says what that would come to.
-    forecast: Some(|editions, folder, store| {
-        let made = make(&PlanSettings::of_dataset(editions), folder, store)?;
-        let Made { roster, plan, .. } = made;
+    forecast: Some(|outlook| {
+        let Made { roster, plan, .. } = made(outlook)?;
         let planned = Planned { scenes: &plan.scenes, agents: &plan.agents };
-        Ok(forecast::lines(&editions.with_scenes(kinds(&roster)), &planned, Machine::measured()))
+        Ok(forecast::lines(&outlook.editions.with_scenes(kinds(roster)), &planned, Machine::measured()))
     }),
     suspicions: Some(suspicions),
 };
@@ -58,6 +57,12 @@ struct Made {
     maps: BTreeMap<String, PlanMap>,
     models: Vec<PackModel>,
     plan: Plan,
+}
+
+/// The plan that would be made.
+fn made<'a>(outlook: &Outlook<'a, PlanSettings>) -> Result<&'a Made, StageError> {
+    let Outlook { settings, maps, store, prepared, .. } = *outlook;
+    prepared.get_or_make(|| make(settings, maps, store))
 }
 
 fn make(as_written: &PlanSettings, folder: Option<&Path>, store: &Store) -> Result<Made, StageError> {
@@ -106,19 +111,14 @@ fn refused(error: PlanError) -> StageError {
 }
 
 /// What the plan cannot give as it is wished for, and what is odd in it.
-fn suspicions(
-    editions: &Editions,
-    folder: Option<&Path>,
-    store: &Store,
-) -> Result<Vec<Suspicion>, StageError> {
-    let settings = PlanSettings::of_dataset(editions);
-    let Made { roster, maps, plan, .. } = make(&settings, folder, store)?;
-    let editions = editions.with_scenes(kinds(&roster));
+fn suspicions(outlook: &Outlook<'_, PlanSettings>) -> Result<Vec<Suspicion>, StageError> {
+    let Made { roster, maps, plan, .. } = made(outlook)?;
+    let editions = outlook.editions.with_scenes(kinds(roster));
     let said = |key: &str, message: String| Suspicion { key: key.to_owned(), message };
-    let of_scenes = roster.warnings.into_iter().map(|warning| said("scenes", warning));
-    let unlit = plan::suspicions::without_lights(&settings.agents, &maps);
+    let of_scenes = roster.warnings.iter().map(|warning| said("scenes", warning.clone()));
+    let unlit = plan::suspicions::without_lights(&outlook.settings.agents, maps);
     let scenario_of = |scene| &editions.of(Scope::Scene(scene)).scenario;
-    let unfelt = plan::suspicions::unfelt_weather(&scenario_of, &plan);
+    let unfelt = plan::suspicions::unfelt_weather(&scenario_of, plan);
     let of_agents = plan.warnings.iter().map(|warning| said("agents", warning.clone()));
     Ok(of_scenes.chain(unlit).chain(of_agents).chain(unfelt).collect())
 }
@@ -130,18 +130,17 @@ fn kinds(roster: &Roster) -> BTreeMap<u32, SceneKind> {
 }
 
 fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
-    let as_written = job.settings().clone();
-    let made = make(&as_written, job.maps_folder(), job.store())?;
-    let Made { roster, texts, maps, models, plan } = made;
+    let make = || make(job.settings(), job.maps_folder(), job.store());
+    let Made { roster, texts, maps, models, plan } = job.prepared().get_or_make(make)?;
     let rows: Vec<PlanModelRow> = models.iter().map(|model| model.row.clone()).collect();
-    for (scene, digest) in sections(job.store(), &plan, &models)? {
+    for (scene, digest) in sections(job.store(), plan, models)? {
         job.plan_scene(scene, digest);
     }
     let store = job.store().clone();
     if let Some(mut unit) = job.unit("plan")? {
         // Before the old plan is touched, so that a run that is killed here gives the same numbers next time.
         store.write_json(keys::ROSTER, NAME, &roster.slots)?;
-        for (name, source) in &texts {
+        for (name, source) in texts {
             unit.bytes(&keys::map(name), &replay::maps::pack(&source.text).at(Place::default)?, 1)?;
             if let Some(own) = maps.get(name) {
                 unit.rows(&keys::vector_map(name), &labels::vector_map::rows(&own.map))?;
@@ -164,7 +163,7 @@ fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
         }
         if !models.is_empty() {
             unit.rows(keys::PLAN_MODELS, &rows)?;
-            models::put(&models, &mut unit)?;
+            models::put(models, &mut unit)?;
         }
         unit.finish()?;
     }

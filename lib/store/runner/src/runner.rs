@@ -8,182 +8,25 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use serde::Serialize;
-use settings::{DatasetSettings, Fault, Suspicion};
-use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, Unit, keys};
+use settings::{DatasetSettings, Fault};
+use store::{Attempt, Failure, Identity, Manifest, Scope, Store, keys};
 
 use crate::editions::{self, Editions};
-use crate::error::{Place, StageError};
+use crate::error::StageError;
 use crate::foresight::{Blame, Foresight, Intent};
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::{self, is_imported};
 use crate::options::{ProgressMode, StageOptions};
+use crate::prepared::Prepared;
 use crate::programs::{Programs, STAMP_LEN};
 use crate::progress::Progress;
 use crate::question::confirmed;
 use crate::seen::{StageSettings, ViewError};
-use crate::status::{
-    CodeRule, SOURCE, Staleness, State, Status, manifest_or_stale, plan_section, planned_scenes,
-};
+use crate::stage::{Job, Outlook, Stage};
+use crate::status::{CodeRule, SOURCE, Staleness, State, Status, manifest_or_stale, planned_scenes};
 use crate::suspicions::{Suspicious, settings_or_faults};
 use crate::views::config_hash;
 use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, interrupt, lock};
-
-/// A stage: its work for one scope. Its name in `pipeline.toml` is that of the settings that it sees.
-#[derive(Clone, Copy)]
-pub struct Stage<S> {
-    /// Does the work of one scope: opens units of [`Job`], writes their shards.
-    pub run: fn(&mut Job<'_, S>) -> Result<(), StageError>,
-    /// Digests of what it reads outside the store, by name, as far as that can be found now: where one
-    /// changed, the stage is stale. Takes the settings and the folder with map files.
-    pub sources: fn(&S, Option<&Path>) -> BTreeMap<String, String>,
-    /// Digests of the scenes of the plan that the stage would make, if it makes the plan.
-    pub sections: Option<Sections<S>>,
-    /// Lines that say what to expect, for `--dry-run`. Takes the editions, the folder with map files and the
-    /// store.
-    pub forecast: Option<Forecast>,
-    /// What is suspicious in what the stage would make. Takes the editions, the folder with map files and the
-    /// store.
-    pub suspicions: Option<Suspicions>,
-}
-
-impl<S: StageSettings> Stage<S> {
-    /// A stage that reads nothing outside the store.
-    #[must_use]
-    pub const fn new(run: fn(&mut Job<'_, S>) -> Result<(), StageError>) -> Self {
-        Self { run, sources: |_, _| BTreeMap::new(), sections: None, forecast: None, suspicions: None }
-    }
-
-    /// Name in `pipeline.toml`.
-    pub const NAME: &'static str = S::STAGE;
-}
-
-/// Digests of the scenes of a plan, by scene. Takes the settings, the folder with map files and the store.
-pub type Sections<S> = fn(&S, Option<&Path>, &Store) -> Result<BTreeMap<u32, String>, StageError>;
-
-/// What to expect before anything runs, line by line.
-pub type Forecast = fn(&Editions, Option<&Path>, &Store) -> Result<Vec<String>, StageError>;
-
-/// What is suspicious in what a stage would make.
-pub type Suspicions = fn(&Editions, Option<&Path>, &Store) -> Result<Vec<Suspicion>, StageError>;
-
-/// One piece of work: a scope of a stage.
-pub struct Job<'a, S> {
-    store: &'a Store,
-    settings: &'a S,
-    status: Status<'a>,
-    made_by: MadeBy,
-    maps: Option<&'a Path>,
-    scope: Scope,
-    inputs: BTreeMap<String, Manifest>,
-    attempt: Attempt,
-    progress: Progress,
-}
-
-impl<S: StageSettings> Job<'_, S> {
-    /// The store, for reading.
-    #[must_use]
-    pub fn store(&self) -> &Store {
-        self.store
-    }
-
-    /// What the stage sees of the configuration.
-    #[must_use]
-    pub fn settings(&self) -> &S {
-        self.settings
-    }
-
-    /// The folder with map files, if one was given.
-    #[must_use]
-    pub fn maps_folder(&self) -> Option<&Path> {
-        self.maps
-    }
-
-    /// The scene (0 for stages that work on the whole dataset).
-    #[must_use]
-    pub fn scene(&self) -> u32 {
-        match self.scope {
-            Scope::Scene(scene) => scene,
-            Scope::Plan | Scope::Tile { .. } | Scope::Stats => 0,
-        }
-    }
-
-    /// The manifest of a stage that this one reads.
-    ///
-    /// # Errors
-    /// `pipeline.toml` does not say that this stage reads it.
-    pub fn input(&self, stage: &str) -> Result<&Manifest, StageError> {
-        self.inputs
-            .get(stage)
-            .ok_or_else(|| StageError::Undeclared { stage: S::STAGE, input: stage.to_owned() })
-    }
-
-    /// The manifests of all stages that this one reads of its scene: what a reader of scenes may open.
-    pub fn inputs(&self) -> impl Iterator<Item = Manifest> + '_ {
-        self.inputs.values().cloned()
-    }
-
-    /// Where the job is at work, for errors.
-    #[must_use]
-    pub fn place(&self) -> Place {
-        match self.scope {
-            Scope::Scene(scene) => Place::scene(scene),
-            Scope::Plan | Scope::Tile { .. } | Scope::Stats => Place::default(),
-        }
-    }
-
-    /// Opens a unit of work, or `None` when a killed run finished it already; several may be open at once. A
-    /// signal stops here.
-    ///
-    /// # Errors
-    /// A signal came, or the store cannot be read.
-    pub fn unit(&self, name: &str) -> Result<Option<Unit<'_>>, StageError> {
-        if interrupt::stopped() {
-            return Err(StageError::Stopped);
-        }
-        Ok(self.attempt.unit(name)?)
-    }
-
-    /// Remembers the digest of a scene's plan, so that each scene depends on its own part of the plan alone.
-    pub fn plan_scene(&mut self, scene: u32, digest: String) {
-        self.attempt.section(&plan_section(scene), digest);
-    }
-
-    /// Scenes of the plan.
-    ///
-    /// # Errors
-    /// The store cannot be read.
-    pub fn planned_scenes(&self) -> Result<Vec<u32>, StageError> {
-        Ok(planned_scenes(self.store)?.unwrap_or_default())
-    }
-
-    /// The manifest of a stage for a scene, if the stage is done.
-    ///
-    /// # Errors
-    /// The store cannot be read.
-    pub fn manifest_if_done(
-        &self,
-        stage: &'static StageSpec,
-        scene: u32,
-    ) -> Result<Option<Manifest>, StageError> {
-        let scope = Scope::Scene(scene);
-        if self.status.state(stage, scope)? == State::Done {
-            return Ok(self.store.manifest(scope, stage.name)?);
-        }
-        Ok(None)
-    }
-
-    /// The build at work, for records of what is made beside the stage's own shards.
-    #[must_use]
-    pub fn made_by(&self) -> &MadeBy {
-        &self.made_by
-    }
-
-    /// The job's progress, for loops: it also tells them when to stop.
-    #[must_use]
-    pub fn progress(&self) -> Progress {
-        self.progress.clone()
-    }
-}
 
 /// Prints a line of the program's answer to standard output. Where the reader has closed it (`convoy status |
 /// head`) the line is lost and the work goes on.
@@ -278,6 +121,7 @@ fn try_run<S: StageSettings>(
         redo_older: *redo_older,
         accept_code: *accept_code,
         progress: *progress,
+        prepared: Prepared::default(),
     };
     if *dry_run && !run.is_planned()? {
         say(&format!("would run {} once the plan is made", S::STAGE));
@@ -328,9 +172,20 @@ struct Run<'a, S> {
     redo_older: bool,
     accept_code: bool,
     progress: ProgressMode,
+    prepared: Prepared,
 }
 
 impl<S: StageSettings> Run<'_, S> {
+    fn outlook(&self) -> Outlook<'_, S> {
+        Outlook {
+            settings: &self.of_dataset,
+            editions: &self.editions,
+            maps: self.maps.as_deref(),
+            store: &self.store,
+            prepared: &self.prepared,
+        }
+    }
+
     fn status(&self) -> Status<'_> {
         Status::new(&self.store, &self.editions, self.programs)
     }
@@ -395,7 +250,7 @@ impl<S: StageSettings> Run<'_, S> {
                 if self.store.backend().list("scenes")?.is_empty() {
                     return Ok(Foresight::default());
                 }
-                Some(sections(&self.of_dataset, self.maps.as_deref(), &self.store)?)
+                Some(sections(&self.outlook())?)
             }
             _ => None,
         };
@@ -474,7 +329,7 @@ impl<S: StageSettings> Run<'_, S> {
         if !also_made && !self.force && self.state(Scope::Plan, &self.sources())? == State::Done {
             return Ok(Vec::new());
         }
-        let found = look(&self.editions, self.maps.as_deref(), &self.store)?;
+        let found = look(&self.outlook())?;
         Ok(settings::suspicions_in(config, &found))
     }
 
@@ -495,7 +350,7 @@ impl<S: StageSettings> Run<'_, S> {
             say(&format!("{verb} {} ({state})", self.label(scope)));
         }
         if let Some(forecast) = self.stage.forecast {
-            for line in forecast(&self.editions, self.maps.as_deref(), &self.store)? {
+            for line in forecast(&self.outlook())? {
                 say(&line);
             }
         }
@@ -651,6 +506,7 @@ impl<S: StageSettings> Run<'_, S> {
             status: self.status(),
             made_by,
             maps: self.maps.as_deref(),
+            prepared: &self.prepared,
             scope,
             inputs: ready.manifests,
             attempt,

@@ -8,6 +8,7 @@ use settings::stages::MaskSettings;
 use store::{Backend, Memory};
 
 use super::*;
+use crate::status::plan_section;
 use crate::views::example_settings;
 
 /// A store in which three scenes are planned and simulated.
@@ -54,6 +55,7 @@ fn run_of<'a>(
         force: false,
         accept_code: false,
         progress: ProgressMode::None,
+        prepared: Prepared::default(),
     }
 }
 
