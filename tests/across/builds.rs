@@ -1,11 +1,15 @@
 //! What is compared by a build's programs while code is being changed: real programs whose files say by
 //! which commit they were built, and one of which was edited.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use convoy_tests::{Bench, LEAN, Outcome, program};
+use runner::Graph;
+
+use super::slips::words;
 
 const STAMP: &[u8] = b"\0convoy-build-stamp\0";
 const STAGES: [&str; 3] = ["spawn-planner", "simulate-and-log", "bev-gt"];
@@ -17,9 +21,9 @@ struct Build {
 
 impl Build {
     /// Copies that say they are of a commit, or of one with uncommitted changes.
-    fn new(folder: &Path, is_committed: bool) -> Self {
+    fn new(folder: &Path, is_committed: bool, stages: &[&str]) -> Self {
         fs::create_dir(folder).expect("is made");
-        for name in STAGES.iter().chain(&["convoy"]) {
+        for name in stages.iter().chain(&["convoy"]) {
             let mut file = fs::read(program(name)).expect("is built");
             stamp(&mut file, is_committed);
             let path = folder.join(name);
@@ -73,7 +77,7 @@ fn stamp(file: &mut [u8], is_committed: bool) {
 #[test]
 fn an_edited_program_makes_its_stage_again_until_it_is_committed() {
     let bench = Bench::new(LEAN);
-    let committed = Build::new(&bench.folder.path().join("committed"), true);
+    let committed = Build::new(&bench.folder.path().join("committed"), true, &STAGES);
     for stage in STAGES {
         committed.run(&bench, stage, &[]).expect_done();
     }
@@ -85,7 +89,7 @@ fn an_edited_program_makes_its_stage_again_until_it_is_committed() {
     assert_eq!(committed.states(&bench), done);
 
     // With uncommitted changes the program counts as well: that of the stage alone.
-    let edited = Build::new(&bench.folder.path().join("edited"), false);
+    let edited = Build::new(&bench.folder.path().join("edited"), false, &STAGES);
     assert_eq!(edited.states(&bench), done, "the programs are those that made it");
     edited.edit("bev-gt");
     let [plan, log, masks] = edited.states(&bench);
@@ -98,4 +102,46 @@ fn an_edited_program_makes_its_stage_again_until_it_is_committed() {
     assert_eq!(committed.states(&bench), done);
     committed.edit("bev-gt");
     assert_eq!(committed.states(&bench)[2], masks);
+}
+
+#[test]
+fn what_an_edited_program_would_make_again_is_asked_about() {
+    let bench = Bench::new(&format!("{LEAN}\n[store]\nask_beyond_s = 0\n"));
+    let stages: Vec<&str> = Graph::get().stages.iter().map(|stage| stage.name).collect();
+    let build = Build::new(&bench.folder.path().join("edited"), false, &stages);
+    let run = |args: &[&str]| build.run(&bench, "convoy", &[&["run", "--progress", "none"], args].concat());
+    run(&[]).expect_done();
+    build.edit("bev-gt");
+    let made = bench.digests();
+    let again = "bev-gt: scene 0 (the program changed (a build with uncommitted changes))";
+    for refused in [build.run(&bench, "bev-gt", &[]), run(&[])] {
+        assert_eq!(refused.code, 2, "{refused:?}");
+        for words in [again, "--redo makes it again", "--accept-code keeps what older code made"] {
+            assert!(refused.stderr.contains(words), "{words}: {}", refused.stderr);
+        }
+        assert!(bench.digests() == made, "the store was touched");
+    }
+    insta::assert_snapshot!("run-of-an-edited-program", words(&bench, &run(&[])));
+    // Both ways: of the stage alone,
+    let accepted = build.run(&bench, "bev-gt", &["--accept-code"]);
+    assert!(accepted.code == 0 && accepted.stderr.contains("0 done, 1 kept"), "{accepted:?}");
+    build.edit("bev-gt");
+    let redone = build.run(&bench, "bev-gt", &["--redo"]);
+    assert!(redone.code == 0 && redone.stderr.contains("1 done, 0 kept"), "{redone:?}");
+    // and of all.
+    build.edit("bev-gt");
+    let accepted = run(&["--accept-code"]);
+    accepted.expect_done();
+    assert!(!accepted.stderr.contains("makes again"), "{accepted:?}");
+    build.edit("bev-gt");
+    let redone = run(&["--redo"]);
+    redone.expect_done();
+    assert!(redone.stderr.contains(&format!("makes again {again}")), "{redone:?}");
+    let last = run(&[]);
+    last.expect_done();
+    assert!(!last.stderr.contains("makes again"), "{last:?}");
+    let shards = |digests: BTreeMap<String, String>| -> BTreeMap<String, String> {
+        digests.into_iter().filter(|(name, _)| !name.ends_with("json")).collect()
+    };
+    assert!(shards(bench.digests()) == shards(made), "nothing that it makes was changed");
 }
