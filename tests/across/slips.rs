@@ -6,10 +6,15 @@ use std::process::Command;
 
 use convoy_tests::{Bench, Outcome, SMALL, TINY, program};
 
-/// Two scenes with few sensors; whatever would be made again is asked about.
+/// Two scenes without pictures; whatever would be made again is asked about.
 fn config() -> String {
-    let without = "[store]\nask_beyond_s = 0\n";
-    format!("{}{without}", TINY.replace("\"convoy/demo\" = 1", "\"convoy/demo\" = 2"))
+    let two = TINY.replace("\"convoy/demo\" = 1", "\"convoy/demo\" = 2");
+    let pictures = [
+        "width = 160\nheight = 90\nsemantic = true\ndepth = true\nflow = true\n",
+        "width = 160\nheight = 90\n",
+    ];
+    let blind = pictures.iter().fold(two, |config, keys| config.replace(keys, "enabled = false\n"));
+    format!("{blind}[store]\nask_beyond_s = 0\n")
 }
 
 fn run(bench: &Bench, args: &[&str]) -> Outcome {

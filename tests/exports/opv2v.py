@@ -341,7 +341,8 @@ def check_scenario(store, root, folder, variant):
     static = {name: load_static(source, agent["agent"]) for name, agent in members.items()}
     anybody_sees = any(of["cameras"] for of in static.values())
     on_masks = [0, 0]
-    for stem in stems[names[0]]:
+    # Every third frame and the last: what differs from frame to frame is where things are.
+    for stem in sorted({*stems[names[0]][::3], stems[names[0]][-1]}):
         number = int(stem)
         frames = {name: read_frame(folder / str(name) / stem) for name in members}
         seen_by = {}

@@ -375,6 +375,11 @@ def points_of(metadata, prefix, record):
     return lidar, np.concatenate(radar)
 
 
+def looked_at(frames):
+    """Every fourth frame and the last: one of four agents takes two seconds."""
+    return sorted({*range(0, frames, 4), frames - 1})
+
+
 def check_scene(store, raw, metadata, number, data):
     scene = json.loads((store / f"scenes/{number:04d}/log/scene.json").read_text())
     agents = [Agent(store, number, agent["agent"]) for agent in scene["agents"]]
@@ -386,10 +391,10 @@ def check_scene(store, raw, metadata, number, data):
     assert list(records) == [agent.name for agent in agents]
     totals = np.zeros(2)
     pixels = partners = 0
-    for frame in range(scene["frames"]):
+    assert all(len(records[agent.name]) == scene["frames"] for agent in agents)
+    for frame in looked_at(scene["frames"]):
         lists, clouds = [], []
         for agent in agents:
-            assert len(records[agent.name]) == scene["frames"]
             record, row = records[agent.name][frame], agent.rows[frame]
             prefix = "" if agent.kind == "vehicle" else "RSU-"
             sensors = [key for key in ORDER if key in agent.about or key == "VOXEL-GRID"]

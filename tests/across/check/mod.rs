@@ -82,14 +82,14 @@ glass = true
     bench.run("convoy", &["run", "--progress", "none"]).expect_done();
     let store = bench.store();
     let whole = checked(&store, "1");
-    let before = checked(&store, "5");
+    let before = checked(&store, "10");
     assert!(before.stdout.contains("voxels: LIDAR: it has noise"), "{}", before.stdout);
     assert!(before.stdout.contains("voxels: SEG-SMOOTH: of what moves"), "{}", before.stdout);
     assert!(before.stdout.contains("gnss: rsu: carries none"), "{}", before.stdout);
 
     let plants = [OF_TABLES, OF_SENSORS, OF_ARRAYS].concat();
     let plants: Vec<(&Plant, &str, &Outcome)> =
-        plants.iter().map(|p| (p, "5", &before)).chain(OF_SUMS.iter().map(|p| (p, "1", &whole))).collect();
+        plants.iter().map(|p| (p, "10", &before)).chain(OF_SUMS.iter().map(|p| (p, "1", &whole))).collect();
     let unfound: Vec<String> = plants
         .par_iter()
         .enumerate()

@@ -122,7 +122,7 @@ pub(super) const OF_SENSORS: &[Plant] = &[
     ("numbers", "values of x are no numbers", |store| {
         change::<Float32Type>(sensor(store, "LIDAR"), "x", FRAME, |all| all[9] = f32::NAN);
     }),
-    ("times", "frame 5 is at", |store| {
+    ("times", "frame 10 is at", |store| {
         change::<Float64Type>(sensor(store, "LIDAR"), "time_s", FRAME, |all| all[0] += 1e-6);
     }),
     ("units", "intensity goes from", |store| {

@@ -18,8 +18,8 @@ use parquet::file::properties::WriterProperties;
 /// A fault: the check that must find it, words of its finding, and how to plant it in a store.
 pub(super) type Plant = (&'static str, &'static str, fn(&Path));
 
-/// Frames that are looked at: every fifth one.
-pub(super) const FRAME: usize = 5;
+/// A frame that is looked at, of every tenth one.
+pub(super) const FRAME: usize = 10;
 /// The folder of the vehicle's sensors.
 const VEHICLE: &str = "scenes/0000/sensors/vehicle_0";
 
