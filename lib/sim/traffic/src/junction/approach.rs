@@ -112,3 +112,19 @@ pub(crate) fn slow_down(vehicle: &Vehicle, net: &Net, unsignalised: bool, signed
         if gap_m < from_m { low.min(target) + (target - low).max(0.0) * gap_m / from_m } else { target };
     slope.min(envelope(low, gap_m, PLANNED_BRAKING))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At 10 m/s braking by a m/s2 takes 50 / a metres.
+    #[test]
+    fn a_light_holds_whoever_can_brake_as_hard_as_it_asks_for() {
+        let holds = |light, metres_per_s2: f64| forbids(light, 10.0, 50.0 / metres_per_s2);
+        assert!(holds(SignalState::Yellow, 3.4) && !holds(SignalState::Yellow, 3.6));
+        assert!(holds(SignalState::Red, 7.4) && !holds(SignalState::Red, 7.6));
+        assert!(!holds(SignalState::Green, 0.1) && !holds(SignalState::Off, 0.1));
+        // Whoever hardly moves stops, however near the line is; past the line nothing holds.
+        assert!(forbids(SignalState::Yellow, 0.9, 0.0) && !forbids(SignalState::Red, 0.9, -0.3));
+    }
+}
