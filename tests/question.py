@@ -1,6 +1,6 @@
-"""Asks a program at a terminal of its own, and answers with Ctrl-C, then with no.
+"""Asks a program at a terminal of its own, and answers with Ctrl-C, then with no; or with yes.
 
-question.py PROGRAM CONFIG STORE
+question.py PROGRAM CONFIG STORE no|yes
 """
 
 import os
@@ -40,9 +40,10 @@ def answered(command: list[str], answer: bytes) -> tuple[int, float, str]:
 
 
 def main() -> None:
-    program, config, store = sys.argv[1:]
+    program, config, store, word = sys.argv[1:]
     command = [program, "--config", config, "--store", store, "--progress", "none"]
-    for answer, expected in [(b"\x03", 75), (b"\n", 2), (b"n\n", 2)]:
+    answers = [(b"y\n", 0)] if word == "yes" else [(b"\x03", 75), (b"\n", 2), (b"n\n", 2)]
+    for answer, expected in answers:
         code, took_s, text = answered(command, answer)
         assert code == expected, f"{answer!r}: exit code {code}:\n{text}"
         assert took_s < 10, f"{answer!r}: {took_s} s"

@@ -95,6 +95,15 @@ fn an_edited_program_makes_its_stage_again_until_it_is_committed() {
     let [plan, log, masks] = edited.states(&bench);
     assert_eq!([&plan, &log], [&done[0], &done[1]]);
     assert_eq!(masks, "bev-gt: stale: the program changed (a build with uncommitted changes)");
+    let why = edited.run(&bench, "convoy", &["status", "--why", "0", "bev-gt"]);
+    let digests = |line: &str| {
+        let (then, now) = line.trim().strip_prefix("program: ")?.split_once(" -> ")?;
+        let now = now.strip_suffix(" (one of them has uncommitted changes)")?;
+        let is_digest = |text: &str| text.len() == 8 && text.chars().all(|c| c.is_ascii_hexdigit());
+        (is_digest(then) && is_digest(now)).then_some((then.to_owned(), now.to_owned()))
+    };
+    let (then, now) = why.stdout.lines().find_map(digests).expect("both programs are named");
+    assert_ne!(then, now);
     let made = edited.run(&bench, "bev-gt", &[]);
     assert!(made.code == 0 && made.stderr.contains("1 done, 0 kept"), "{made:?}");
     assert_eq!(edited.states(&bench), done);

@@ -1,6 +1,6 @@
 //! One plan at a time: runs of two configurations do not meet in one store, workers of one do.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
@@ -199,15 +199,20 @@ fn of_two_first_runs_at_once_one_works() {
     assert!(kept.stderr.contains("render-sensors: 0 done, 1 kept, 0 failed"), "{kept:?}");
 }
 
-/// Ctrl-C where a run asks whether finished work may be made again.
+/// Ctrl-C, no and yes where a run asks whether finished work may be made again.
 #[test]
-fn a_question_ends_at_a_signal() {
+fn a_question_is_answered_at_a_terminal() {
     let bench = Bench::new(&format!("{TINY}\n[store]\nask_beyond_s = 0\n"));
     bench.run("spawn-planner", &[]).expect_done();
     bench.run("simulate-and-log", &[]).expect_done();
     let other = beside(&bench, &format!("{}\n[store]\nask_beyond_s = 0\n", other()));
     let before = bench.digests();
     let planner = program("spawn-planner");
-    check_in_python("question.py", &["pty"], &[&planner, &other, &bench.store()]);
+    let answer = |word: &str| {
+        check_in_python("question.py", &["pty"], &[&planner, &other, &bench.store(), Path::new(word)]);
+    };
+    answer("no");
     assert!(bench.digests() == before);
+    answer("yes");
+    assert!(bench.digests() != before, "the plan was not made again");
 }

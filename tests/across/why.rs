@@ -37,9 +37,15 @@ fn the_chain_of_a_stage_reaches_down_to_the_plan() {
     bench.configure(&format!("{masks}\n[bev]\ncells = 200\n"));
     insta::assert_snapshot!("why-configuration", chain(&bench, "bev-gt", false));
     bench.configure(&config);
+    // A file cut short.
+    let masks = bench.store().join("scenes/0000/bev/vehicle_0.npz");
+    let whole = std::fs::read(&masks).expect("is there");
+    std::fs::write(&masks, &whole[..100]).expect("is written");
+    let cut = chain(&bench, "bev-gt", false).replace(&whole.len().to_string(), "N");
+    insta::assert_snapshot!("why-size", cut);
     // The log made again, and a file lost.
     bench.run("simulate-and-log", &["--force"]).expect_done();
-    std::fs::remove_file(bench.store().join("scenes/0000/bev/vehicle_0.npz")).expect("is there");
+    std::fs::remove_file(&masks).expect("is there");
     insta::assert_snapshot!("why-input", chain(&bench, "bev-gt", false));
     insta::assert_snapshot!("why-statistics", chain(&bench, "stats", false));
     // Another plan of the scene.

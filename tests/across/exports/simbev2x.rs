@@ -74,6 +74,11 @@ fn imports_are_as_what_was_exported(bench: &Bench, processed: &Path, raw: &Path)
     on(bench, &one, "stats", &[]).expect_done();
     let status = Command::new(program("convoy")).args(["status", "--store"]).arg(&one).output();
     Outcome::of(&status.expect("the program starts")).expect_done();
+    let mut why = Command::new(program("convoy"));
+    why.args(["status", "--why", "0", "bev-gt", "--config"]).arg(bench.config()).arg("--store").arg(&one);
+    let why = Outcome::of(&why.output().expect("the program starts"));
+    why.expect_done();
+    assert!(why.stdout.contains("bev-gt: done\n  imported\n"), "{}", why.stdout);
     on(bench, &one, "check", &[]).expect_done();
     exports_of_imports_say_what_they_lack(bench, &one);
     pictures_of_imports_say_what_they_lack(bench, &one);

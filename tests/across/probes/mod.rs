@@ -67,6 +67,7 @@ probes! {
     bridge {}
     motorway {}
     walkers {}
+    rounds {}
     voxels {}
     pack { maps: Some("tests/packs") }
     imported { maps: Some("lib/map/opendrive/tests/data") }

@@ -17,6 +17,7 @@ const SPLITTER_M: f64 = 8.0;
 /// Least length of a stretch with medians or parking lanes, metres; shorter streets keep the junction's
 /// lanes.
 const MIDDLE_MIN_M: f64 = 20.0;
+const _: () = assert!(MIDDLE_MIN_M > 2.0 * PARKING_TAPER_M, "both tapers of a parking lane have room");
 /// Pockets may shrink to this share of their wished length where a street is short.
 const LEAST_SHARE: f64 = 0.4;
 
@@ -253,11 +254,10 @@ impl Builder<'_> {
         if side.edge_m > 0.0 {
             spans = vec![(0.0, from, Use::Edge), (from, to, Use::Parking), (to, length, Use::Edge)];
         }
-        let taper = PARKING_TAPER_M.min(0.4 * (to - from));
         let knots = [
             (from, side.edge_m),
-            (from + taper, side.parking_m),
-            (to - taper, side.parking_m),
+            (from + PARKING_TAPER_M, side.parking_m),
+            (to - PARKING_TAPER_M, side.parking_m),
             (to, side.edge_m),
         ];
         Some(Strip { spans, width: Profile::steps(&knots) })

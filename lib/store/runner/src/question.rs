@@ -20,8 +20,7 @@ pub(crate) fn confirmed(lines: &[String]) -> Result<bool, StageError> {
         return Ok(false);
     }
     let mut out = std::io::stderr();
-    let question = lines.iter().map(|line| format!("{line}\n")).collect::<String>();
-    let asked = write!(out, "{question}finished work would be made again: do it? [y/N] ");
+    let asked = out.write_all(question(lines).as_bytes());
     if asked.and_then(|()| out.flush()).is_err() {
         return Ok(false);
     }
@@ -43,5 +42,25 @@ pub(crate) fn confirmed(lines: &[String]) -> Result<bool, StageError> {
             }
             Err(RecvTimeoutError::Timeout) => {}
         }
+    }
+}
+
+fn question(lines: &[String]) -> String {
+    let lines: String = lines.iter().map(|line| format!("{line}\n")).collect();
+    format!("{lines}finished work would be made again: do it? [y/N] ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_question_follows_what_it_is_about() {
+        let lines = ["makes again bev-gt: scene 0".to_owned(), "changed: bev.cells: 400 -> 200".to_owned()];
+        insta::assert_snapshot!(question(&lines), @r"
+        makes again bev-gt: scene 0
+        changed: bev.cells: 400 -> 200
+        finished work would be made again: do it? [y/N]
+        ");
     }
 }

@@ -100,7 +100,7 @@ fn lanes_carry_what_the_file_says() {
 #[test]
 fn objects_and_signals_carry_what_the_file_says() {
     let network = network();
-    let [bay, crosswalk, fence, tree] = &network.roads[0].objects[..] else { panic!("four objects") };
+    let [bay, crosswalk, fence, tree, ..] = &network.roads[0].objects[..] else { panic!("four objects") };
     assert_eq!(bay.parking.as_ref().map(|p| p.access.as_str()), Some("women"));
     assert_eq!(
         (bay.materials[0].paint, bay.dynamic, bay.valid_length_m),
