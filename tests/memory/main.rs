@@ -17,7 +17,7 @@ use schema::measures::counts::PartialCounts;
 use schema::tables::LidarRow;
 use schema::{AgentId, Tag};
 use settings::OccupancySettings;
-use store::{Attempt, Identity, Scope, Store, TableOptions, TableWriter, Unit};
+use store::{Attempt, EncodedGroup, GroupEncoder, Identity, Scope, Store, TableOptions, TableWriter, Unit};
 use testkit::{WorldBuilder, sheet};
 
 #[global_allocator]
@@ -80,9 +80,9 @@ struct Sweeps<'u> {
     table: TableWriter<LidarRow>,
 }
 
-impl Writer<LidarRow> for Sweeps<'_> {
-    fn take(&mut self, _: u32, row: LidarRow) -> Result<(), StageError> {
-        Ok(self.table.push(&[row])?)
+impl Writer<EncodedGroup> for Sweeps<'_> {
+    fn take(&mut self, _: u32, row: EncodedGroup) -> Result<(), StageError> {
+        Ok(self.table.append(row)?)
     }
 
     fn finish(self) -> Result<(), StageError> {
@@ -99,18 +99,13 @@ fn tables(attempt: &Attempt, frames: u32) -> Result<(), StageError> {
     let table = unit.table::<LidarRow>("scenes/0000/sensors/vehicle_0/LIDAR.parquet", options)?;
     let progress = Progress::start(ProgressMode::None, "test".into(), 0);
     let points = FRAME_BYTES / 16;
-    let sense = |_: &(), frame: u32| {
+    let sense = |encoder: &GroupEncoder<LidarRow>, frame: u32| {
         let column = |k: u32| noise(4 * frame + k).map(|word| word as f32).take(points).collect();
-        Ok(LidarRow {
-            frame,
-            x: column(0),
-            y: column(1),
-            z: column(2),
-            intensity: column(3),
-            ..LidarRow::default()
-        })
+        let [x, y, z, intensity] = std::array::from_fn(|k| column(k as u32));
+        Ok(encoder.encode(&[LidarRow { frame, x, y, z, intensity, ..LidarRow::default() }])?)
     };
-    let part = FrameGroup { due: (0..frames).collect(), seen: (), writer: Sweeps { unit, table } };
+    let part =
+        FrameGroup { due: (0..frames).collect(), seen: table.encoder(), writer: Sweeps { unit, table } };
     in_turn([Ok(part)], frames, &progress, sense)
 }
 

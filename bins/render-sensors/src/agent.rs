@@ -73,7 +73,7 @@ impl AgentRig<'_> {
         let channels: Vec<&dyn Channel> = self.channels.at(frame).collect();
         let sensed: Vec<Result<(), StageError>> = channels
             .par_iter()
-            .map(|channel| channel.sense(&at).at(|| self.place(frame).sensor(channel.name())))
+            .map(|channel| channel.sense(&at, &|| self.place(frame).sensor(channel.name())))
             .collect();
         sensed.into_iter().collect()
     }

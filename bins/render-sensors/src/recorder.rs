@@ -1,17 +1,18 @@
-//! The sensors of one agent, and their tables: readings are made in any order and written frame by frame.
+//! The sensors of one agent, and their tables: readings are made and encoded in any order, on any thread, and
+//! appended frame by frame.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use runner::frames::Writer;
-use runner::{Place, StageError};
+use runner::{At, Place, StageError};
 use schema::calibration::METADATA_KEY;
 use schema::measures::counts::PartialCounts;
 use schema::measures::sensors::{IMAGES, SENSOR_BYTES, SWEEPS};
 use schema::{AgentId, rate};
-use sensors::{Layout, Observation, Sensor, SensorContext, SensorError, SensorTable, SensorVisitor};
+use sensors::{Amount, Layout, Observation, Sensor, SensorContext, SensorError, SensorTable, SensorVisitor};
 use settings::Rig;
-use store::{Finished, Output, TableOptions, TableWriter, keys};
+use store::{EncodedGroup, Finished, GroupEncoder, Output, TableOptions, TableWriter, keys};
 
 use crate::due::{AgentTables, counts_key};
 
@@ -36,8 +37,8 @@ pub(crate) trait Channel: Send + Sync {
     /// Whether the sensor is read at a frame.
     fn is_due(&self, frame: u32) -> bool;
 
-    /// Reads the sensor and keeps the rows.
-    fn sense(&self, at: &Observation<'_>) -> Result<(), SensorError>;
+    /// Reads the sensor and keeps what it read. `place` is where, for messages.
+    fn sense(&self, at: &Observation<'_>, place: &dyn Fn() -> Place) -> Result<(), StageError>;
 }
 
 /// The open table of a sensor.
@@ -52,13 +53,27 @@ trait Table: Send {
 struct Reading<S: Sensor> {
     sensor: S,
     about: SensorTable,
-    /// Rows that wait for those of earlier frames, by frame.
-    waiting: Mutex<BTreeMap<u32, Vec<S::Row>>>,
+    /// For tables of which a frame is a group.
+    encoder: Option<GroupEncoder<S::Row>>,
+    /// What waits for earlier frames, by frame.
+    waiting: Mutex<BTreeMap<u32, Waiting<S::Row>>>,
+}
+
+/// What a sensor read at a frame, until it is written.
+struct Waiting<R> {
+    rows: Rows<R>,
+    amount: Option<Amount>,
+}
+
+enum Rows<R> {
+    /// They fill groups together with those of other frames.
+    Plain(Vec<R>),
+    Encoded(Vec<EncodedGroup>),
 }
 
 impl<S: Sensor> Reading<S> {
     /// What a panic elsewhere left is never written: the unit is not finished.
-    fn waiting(&self) -> MutexGuard<'_, BTreeMap<u32, Vec<S::Row>>> {
+    fn waiting(&self) -> MutexGuard<'_, BTreeMap<u32, Waiting<S::Row>>> {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -72,9 +87,17 @@ impl<S: Sensor> Channel for Reading<S> {
         rate::is_due(frame, self.about.every_n_frames)
     }
 
-    fn sense(&self, at: &Observation<'_>) -> Result<(), SensorError> {
-        let rows = self.sensor.sense(at)?;
-        self.waiting().insert(at.frame, rows);
+    fn sense(&self, at: &Observation<'_>, place: &dyn Fn() -> Place) -> Result<(), StageError> {
+        let rows = self.sensor.sense(at).at(place)?;
+        let amount = self.sensor.amount(&rows);
+        let rows = match &self.encoder {
+            Some(encoder) => {
+                let groups: Result<_, _> = rows.chunks(1).map(|row| encoder.encode(row)).collect();
+                Rows::Encoded(groups?)
+            }
+            None => Rows::Plain(rows),
+        };
+        self.waiting().insert(at.frame, Waiting { rows, amount });
         Ok(())
     }
 }
@@ -88,8 +111,8 @@ struct Written<S: Sensor> {
 
 impl<S: Sensor> Table for Written<S> {
     fn write(&mut self, frame: u32) -> Result<(), StageError> {
-        let Some(rows) = self.reading.waiting().remove(&frame) else { return Ok(()) };
-        if let Some(amount) = self.reading.sensor.amount(&rows) {
+        let Some(Waiting { rows, amount }) = self.reading.waiting().remove(&frame) else { return Ok(()) };
+        if let Some(amount) = amount {
             let mut add = |measure: &str, count| {
                 *self.counts.entry(measure.to_owned()).or_default() += count;
             };
@@ -98,7 +121,10 @@ impl<S: Sensor> Table for Written<S> {
                 add(SWEEPS, 1);
             }
         }
-        self.table.push(&rows)?;
+        match rows {
+            Rows::Plain(rows) => self.table.push(&rows)?,
+            Rows::Encoded(groups) => groups.into_iter().try_for_each(|group| self.table.append(group))?,
+        }
         Ok(())
     }
 
@@ -148,7 +174,9 @@ impl SensorVisitor for TableOpener<'_, '_> {
             Layout::Whole => TableOptions { metadata, ..TableOptions::default() },
         };
         let table = self.tables.unit.table(&key, options).map_err(|e| Unopened::Stage(e.into()))?;
-        let reading = Arc::new(Reading { sensor, about, waiting: Mutex::default() });
+        let is_framed = about.layout != Layout::Whole;
+        let encoder = is_framed.then(|| table.encoder());
+        let reading = Arc::new(Reading { sensor, about, encoder, waiting: Mutex::default() });
         self.channels.push(Arc::clone(&reading) as Arc<dyn Channel>);
         self.open.push(Box::new(Written { reading, table, counts: BTreeMap::new() }));
         Ok(())

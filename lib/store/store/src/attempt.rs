@@ -7,7 +7,8 @@ use schema::table::{Column, Row};
 
 use crate::error::sound;
 use crate::manifest::{MadeBy, Manifest, Output, Redo};
-use crate::write::{FileWriter, Finished, TableOptions, TableWriter, write_columns};
+use crate::table::{TableOptions, TableWriter, write_columns};
+use crate::write::{FileWriter, Finished};
 use crate::{Scope, Store, StoreError, keys};
 
 /// What makes two tries the same: if all of it is equal, so are the outputs.

@@ -30,6 +30,7 @@ mod process;
 mod read;
 mod roster;
 mod shard;
+mod table;
 mod verify;
 mod write;
 
@@ -49,8 +50,9 @@ pub use memory::Memory;
 pub use read::TableHead;
 pub use roster::{SceneKind, kind_names, scene_kinds, scenes_begun};
 pub use shard::ShardStream;
+pub use table::{EncodedGroup, GroupEncoder, TableOptions, TableWriter};
 pub use verify::{Finding, Problem, Verification, verify};
-pub use write::{FileWriter, Finished, TableOptions, TableWriter};
+pub use write::{FileWriter, Finished};
 
 /// A store of one dataset. Cheap to clone.
 #[derive(Clone)]

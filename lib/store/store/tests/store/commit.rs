@@ -13,6 +13,7 @@ on_every_backend!(
     columns_that_nobody_asks_for_are_not_read,
     parts_of_an_object_are_read_alone,
     lists_keep_one_frame_per_group,
+    groups_are_encoded_on_any_thread,
     some_rows_of_a_table_are_read,
     a_text_that_means_nothing_is_named_with_its_place,
     a_killed_try_keeps_its_finished_units,
@@ -83,14 +84,17 @@ fn parts_of_an_object_are_read_alone(bench: &Bench) {
     assert_eq!(bench.store.backend().list("a").expect("lists"), ["a/b"]);
 }
 
-fn lists_keep_one_frame_per_group(bench: &Bench) {
-    let sweep = |frame: u32| LidarRow {
+fn sweep(frame: u32) -> LidarRow {
+    LidarRow {
         frame,
         x: vec![1.5; 1000 + frame as usize],
         ring: vec![3; 1000 + frame as usize],
         tag: vec![9; 1000 + frame as usize],
         ..LidarRow::default()
-    };
+    }
+}
+
+fn lists_keep_one_frame_per_group(bench: &Bench) {
     let rows: Vec<LidarRow> = (0..5).map(sweep).collect();
     let attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
     let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is new");
@@ -114,6 +118,45 @@ fn lists_keep_one_frame_per_group(bench: &Bench) {
     assert_eq!(some.next().expect("has one").expect("reads"), rows[3..4]);
     some.pass(7).expect("passes beyond the end");
     assert!(some.next().is_none());
+}
+
+/// Groups that threads encoded give the bytes of rows that were pushed.
+fn groups_are_encoded_on_any_thread(bench: &Bench) {
+    let rows: Vec<LidarRow> = (0..5).map(sweep).collect();
+    let attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let mut unit = attempt.unit("vehicle_0").expect("asks").expect("is new");
+    let [pushed, appended] = ["a", "b"].map(|name| format!("scenes/0007/{name}.parquet"));
+    let mut table = unit.table(&pushed, TableOptions::frames(Vec::new())).expect("opens");
+    table.push(&rows).expect("writes");
+    unit.add(table.finish().expect("finishes"));
+    let mut table = unit.table(&appended, TableOptions::frames(Vec::new())).expect("opens");
+    let encoder = table.encoder();
+    let groups = std::thread::scope(|threads| {
+        let encoder = &encoder;
+        let encode = |row| threads.spawn(move || encoder.encode(std::slice::from_ref(row)).expect("encodes"));
+        let begun: Vec<_> = rows[1..4].iter().map(encode).collect();
+        begun.into_iter().map(|thread| thread.join().expect("ends")).collect::<Vec<_>>()
+    });
+    // Both ways in one table.
+    table.push(&rows[..1]).expect("writes");
+    groups.into_iter().for_each(|group| table.append(group).expect("writes"));
+    table.push(&rows[4..]).expect("writes");
+    let shard = table.finish().expect("finishes");
+    assert_eq!(shard.output().rows, 5);
+    unit.add(shard);
+    // A group that was begun ends before the next one.
+    let open = "scenes/0007/c.parquet";
+    let mut table = unit.table(open, TableOptions::default()).expect("opens");
+    table.push(&rows[..2]).expect("writes");
+    let group = table.encoder().encode(&rows[2..]).expect("encodes");
+    table.append(group).expect("writes");
+    unit.add(table.finish().expect("finishes"));
+    unit.finish().expect("commits");
+    let manifest = attempt.commit().expect("commits");
+    assert!(bench.bytes(&pushed) == bench.bytes(&appended));
+    let groups = bench.store.row_groups::<LidarRow>(&manifest, open).expect("opens");
+    let groups: Vec<Vec<LidarRow>> = groups.map(|group| group.expect("reads")).collect();
+    assert_eq!(groups.concat(), rows);
 }
 
 fn some_rows_of_a_table_are_read(bench: &Bench) {
