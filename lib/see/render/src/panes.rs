@@ -1,7 +1,8 @@
 //! What is behind the panes of vehicles: the first surface there that is none.
 
-use crate::{Hit, RayBatch, RayQuery, RenderError, Scene, pose_before};
+use crate::{Hit, Hits, RayBatch, RayQuery, RenderError, Scene, pose_before};
 use glam::Vec3;
+use rayon::prelude::*;
 use schema::geometry::{DOOR_M, Surface};
 
 /// Share of light that passes a pane: UN Regulation 43 wants 70 % of panes that a driver looks through.
@@ -35,9 +36,13 @@ pub struct TransmittedHit {
     pub opened: bool,
 }
 
-/// Rays that met panes.
-#[derive(Debug, Default)]
+/// Rays from one place, at one moment, that met panes.
+#[derive(Debug)]
 pub struct PaneRays {
+    origin: Vec3,
+    /// The moment: 0 is this frame, 1 the one before.
+    before: f32,
+    reach_m: f32,
     /// Unit directions.
     directions: Vec<Vec3>,
     /// The panes: instance, triangle, and how far off, metres.
@@ -45,11 +50,49 @@ pub struct PaneRays {
 }
 
 impl PaneRays {
+    /// None yet: of a place, a moment (0 is this frame, 1 the one before) and how far they reach, metres.
+    #[must_use]
+    pub fn new(origin: Vec3, before: f32, reach_m: f32) -> Self {
+        Self { origin, before, reach_m, directions: Vec::new(), panes: Vec::new() }
+    }
+
     /// Adds a ray by its unit direction and the pane that it met: instance, triangle and distance in metres.
     pub fn push(&mut self, direction: Vec3, instance: u32, triangle: u32, distance_m: f32) {
         self.directions.push(direction);
         self.panes.push((instance, triangle, distance_m));
     }
+
+    /// Adds rays from the same place at the same moment.
+    pub fn append(&mut self, mut others: Self) {
+        self.directions.append(&mut others.directions);
+        self.panes.append(&mut others.panes);
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.directions.len()
+    }
+
+    /// Whether none met a pane.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.directions.is_empty()
+    }
+}
+
+/// Rays of a place that are followed behind panes.
+struct Onward {
+    origin: Vec3,
+    before: f32,
+    reach_m: f32,
+    /// Of the rays that are still followed: which they are, their directions, and from where they look on.
+    places: Vec<usize>,
+    directions: Vec<Vec3>,
+    nearest_m: Vec<f32>,
+    /// Of all: panes and openings passed, and what was found.
+    passed: Vec<u8>,
+    found: Vec<TransmittedHit>,
 }
 
 impl<'a> Panes<'a> {
@@ -76,19 +119,28 @@ impl<'a> Panes<'a> {
         }
     }
 
-    /// What rays from a place meet behind the panes that they met, at a moment (0 is this frame, 1 the one
-    /// before).
+    /// What rays meet behind the panes that they met, in their order. All are followed at once, pane after
+    /// pane.
     ///
     /// # Errors
     /// The renderer failed.
-    pub fn behind(
-        &self,
-        before: f32,
-        origin: Vec3,
-        reach_m: f32,
-        rays: PaneRays,
-    ) -> Result<Vec<TransmittedHit>, RenderError> {
-        let PaneRays { mut directions, panes } = rays;
+    pub fn behind(&self, rays: Vec<PaneRays>) -> Result<Vec<Vec<TransmittedHit>>, RenderError> {
+        let mut onward: Vec<Onward> = rays.into_par_iter().map(|rays| self.start(rays)).collect();
+        loop {
+            let mut under_way: Vec<&mut Onward> =
+                onward.iter_mut().filter(|rays| !rays.places.is_empty()).collect();
+            if under_way.is_empty() {
+                break;
+            }
+            let queries: Vec<RayQuery<'_>> = under_way.iter().map(|rays| rays.query()).collect();
+            let hits = self.scene.trace(&queries)?;
+            under_way.par_iter_mut().zip(hits).for_each(|(rays, hits)| self.pass(rays, &hits));
+        }
+        Ok(onward.into_iter().map(|rays| rays.found).collect())
+    }
+
+    fn start(&self, rays: PaneRays) -> Onward {
+        let PaneRays { origin, before, reach_m, directions, panes } = rays;
         let mut nearest_m = Vec::with_capacity(panes.len());
         let mut found = Vec::with_capacity(panes.len());
         for (direction, pane) in directions.iter().zip(panes) {
@@ -96,35 +148,33 @@ impl<'a> Panes<'a> {
             nearest_m.push(from_m);
             found.push(TransmittedHit { hit: None, panes: u8::from(!opened), opened });
         }
-        let mut passed = vec![1; found.len()];
-        let mut places: Vec<usize> = (0..found.len()).collect();
-        while !places.is_empty() {
-            let range_m = [0.0, reach_m];
-            let rays = RayBatch { origin, directions: &directions, range_m, nearest_m: &nearest_m };
-            let hits = self.scene.trace(&[RayQuery { before, cabins: true, ..RayQuery::of(rays) }])?;
-            let mut left = 0;
-            for (ray, hit) in hits.iter().flat_map(|hits| hits.iter()).enumerate() {
-                let Some(hit) = hit else { continue };
-                let place = places[ray];
-                let behind = &mut found[place];
-                if passed[place] < MOST_PANES && self.is_pane(hit.instance, hit.triangle) {
-                    let (from_m, opened) =
-                        self.beyond(before, directions[ray], (hit.instance, hit.triangle, hit.t));
-                    passed[place] += 1;
-                    behind.panes += u8::from(!opened);
-                    places[left] = place;
-                    directions[left] = directions[ray];
-                    nearest_m[left] = from_m;
-                    left += 1;
-                } else {
-                    behind.hit = Some(hit);
-                }
+        let (passed, places) = (vec![1; found.len()], (0..found.len()).collect());
+        Onward { origin, before, reach_m, places, directions, nearest_m, passed, found }
+    }
+
+    /// Notes what rays met; those that met another pane go on behind it.
+    fn pass(&self, rays: &mut Onward, hits: &Hits) {
+        let mut left = 0;
+        for (ray, hit) in hits.iter().enumerate() {
+            let Some(hit) = hit else { continue };
+            let place = rays.places[ray];
+            let behind = &mut rays.found[place];
+            if rays.passed[place] < MOST_PANES && self.is_pane(hit.instance, hit.triangle) {
+                let pane = (hit.instance, hit.triangle, hit.t);
+                let (from_m, opened) = self.beyond(rays.before, rays.directions[ray], pane);
+                rays.passed[place] += 1;
+                behind.panes += u8::from(!opened);
+                rays.places[left] = place;
+                rays.directions[left] = rays.directions[ray];
+                rays.nearest_m[left] = from_m;
+                left += 1;
+            } else {
+                behind.hit = Some(hit);
             }
-            places.truncate(left);
-            directions.truncate(left);
-            nearest_m.truncate(left);
         }
-        Ok(found)
+        rays.places.truncate(left);
+        rays.directions.truncate(left);
+        rays.nearest_m.truncate(left);
     }
 
     /// From where on a ray looks for what is behind a pane (instance, triangle, distance), metres; and
@@ -145,6 +195,14 @@ impl<'a> Panes<'a> {
         let pose = pose_before(&placed.previous_local_from_object, &placed.local_from_object, before);
         let normal = pose.transform_vector3((b - a).cross(c - a)).normalize_or_zero();
         (beyond(distance_m + DOOR_M / normal.dot(direction).abs().max(LEAST_COS)), true)
+    }
+}
+
+impl Onward {
+    fn query(&self) -> RayQuery<'_> {
+        let (directions, nearest_m) = (&self.directions, &self.nearest_m);
+        let rays = RayBatch { origin: self.origin, directions, range_m: [0.0, self.reach_m], nearest_m };
+        RayQuery { before: self.before, cabins: true, ..RayQuery::of(rays) }
     }
 }
 

@@ -13,7 +13,7 @@ use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
 use schema::tables::Weather;
 use sensors::{Image, Lidar, LidarMoment, RadarMotion, Sight, pixel_counts, radar};
 use settings::{BeamSpec, LidarSpec, Rig, RollingScan, WeatherSpec};
-use shading::{Lighting, Picture, Sky};
+use shading::{Lighting, Shot, Sky, compose};
 
 fn main() {
     divan::main();
@@ -59,14 +59,14 @@ fn camera_visibility(bencher: Bencher) {
 #[divan::bench]
 fn camera_colour_day(bencher: Bencher) {
     with_sight(&day(), |scene, sight, light| {
-        bencher.bench(|| Picture::new(&*scene, &sight.view, &sight.seen, light));
+        bencher.bench(|| compose(scene, &[Shot { view: &sight.view, seen: &sight.seen }], light));
     });
 }
 
 #[divan::bench]
 fn camera_colour_wet_night(bencher: Bencher) {
     with_sight(&night(), |scene, sight, light| {
-        bencher.bench(|| Picture::new(&*scene, &sight.view, &sight.seen, light));
+        bencher.bench(|| compose(scene, &[Shot { view: &sight.view, seen: &sight.seen }], light));
     });
 }
 

@@ -8,5 +8,5 @@ pub mod retro;
 pub mod textures;
 
 pub use light::{FrameWeather, Lighting, Sky, StillWorld, fog_extinction_per_m};
-pub use painter::{CpuPainter, Painter, Shot};
-pub use picture::{Drops, Noise, Picture};
+pub use painter::{CpuPainter, Painter};
+pub use picture::{Drops, Noise, Picture, Shot, compose};

@@ -1,20 +1,10 @@
 //! The interface of painters, and the painter on the CPU.
 
 use glam::Vec3;
-use rayon::prelude::*;
-use render::{CameraView, RenderError, Renderer, Scene, VisibilityBuffer};
+use render::{RenderError, Renderer, Scene};
 
 use crate::light::{FrameWeather, SceneLights, StillWorld};
-use crate::picture::Picture;
-
-/// What one camera saw, to be painted.
-#[derive(Clone, Copy, Debug)]
-pub struct Shot<'a> {
-    /// The camera.
-    pub view: &'a CameraView,
-    /// What it saw.
-    pub seen: &'a VisibilityBuffer,
-}
+use crate::picture::{Picture, Shot, compose};
 
 /// Paints colour pictures of one scene from what a renderer saw: the second seam, which a renderer need not
 /// fill.
@@ -60,7 +50,6 @@ impl Painter for CpuPainter<'_> {
         shots: &[Shot<'_>],
     ) -> Result<Vec<Picture>, RenderError> {
         let lighting = self.lights.around(scene, when, place_local)?;
-        let picture = |shot: &Shot<'_>| Picture::new(scene, shot.view, shot.seen, &lighting);
-        shots.par_iter().map(picture).collect()
+        compose(scene, shots, &lighting)
     }
 }

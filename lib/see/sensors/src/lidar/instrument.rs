@@ -204,7 +204,7 @@ impl Lidar {
         fired: &[Vec<Vec3>],
         hits: &[Hits],
     ) -> Result<Vec<Vec<(u32, TransmittedHit)>>, SensorError> {
-        let (mut places, mut rays) = (Vec::new(), PaneRays::default());
+        let (mut places, mut rays) = (Vec::new(), PaneRays::new(origin, before, self.spec.range_m as f32));
         for (number, (directions, hits)) in fired.iter().zip(hits).enumerate() {
             for (ray, hit) in (0..).zip(hits.iter()) {
                 if let Some(hit) = hit.filter(|hit| panes.is_pane(hit.instance, hit.triangle)) {
@@ -214,7 +214,7 @@ impl Lidar {
             }
         }
         let mut behind = vec![Vec::new(); fired.len()];
-        let passed = panes.behind(before, origin, self.spec.range_m as f32, rays)?;
+        let passed = panes.behind(vec![rays])?.into_iter().flatten();
         for ((number, ray), passed) in places.into_iter().zip(passed) {
             behind[number].push((ray, passed));
         }

@@ -1,9 +1,10 @@
 //! Shadows of lamps: depth maps seen from the lamp.
 
 use glam::{Affine3A, Mat3A, Vec3};
+use rayon::prelude::*;
 use render::{PinholeCamera, RenderError, Scene, Stipple};
 use schema::ObjectId;
-use schema::geometry::Instance;
+use schema::geometry::{Instance, Snapshot};
 use simd::{F32x8, Vec3x8};
 
 use super::lens::depths;
@@ -43,38 +44,59 @@ pub(super) struct LampDepths {
     depth_m: Vec<f32>,
 }
 
-impl LampDepths {
-    /// From a place, looking ahead; the lamp's own object is not in the way.
-    ///
-    /// # Errors
-    /// The renderer failed.
-    pub(super) fn new(
-        scene: &dyn Scene,
-        own: ObjectId,
-        place: Vec3,
-        [ahead, up]: [Vec3; 2],
-        view: &LampView,
-    ) -> Result<Self, RenderError> {
+/// From where a lamp looks; its own object is not in the way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LampEye {
+    pub(super) own: ObjectId,
+    pub(super) place: Vec3,
+    pub(super) ahead: Vec3,
+    /// Square to `ahead`.
+    pub(super) up: Vec3,
+    pub(super) view: LampView,
+}
+
+impl LampEye {
+    fn camera(&self) -> PinholeCamera {
+        let Self { place, ahead, up, view, .. } = *self;
         let right = ahead.cross(up);
         let turn = Mat3A::from_cols(right.into(), (-up).into(), ahead.into());
         let local_from_optical = Affine3A { matrix3: turn, translation: place.into() };
-        let camera = PinholeCamera {
+        PinholeCamera {
             near_m: NEAR_M,
             far_m: view.reach_m,
             ..PinholeCamera::centred(local_from_optical, view.columns, view.rows, view.fov_rad)
-        };
-        // Houses and vehicles have their origins within them. Light only grazes the ground, which would shade
-        // itself.
-        let snapshot = scene.snapshot();
+        }
+    }
+
+    /// The instances that may be in the way. Houses and vehicles have their origins within them. Light only
+    /// grazes the ground, which would shade itself.
+    fn near(&self, snapshot: &Snapshot) -> Vec<u32> {
         let is_near = |i: &Instance| {
-            i.object != own
-                && (Vec3::from(i.local_from_object.translation) - place).length() < view.reach_m
+            i.object != self.own
+                && (Vec3::from(i.local_from_object.translation) - self.place).length() < self.view.reach_m
                 && !is_ground(snapshot.mesh(i))
         };
         let instances = (0..).zip(&snapshot.instances);
-        let near: Vec<u32> = instances.filter(|(_, i)| is_near(i)).map(|(number, _)| number).collect();
-        let depth_m = depths(scene, &camera, Some(&near), Stipple::OPAQUE)?;
-        Ok(Self { camera, optical_from_local: local_from_optical.inverse(), depth_m })
+        instances.filter(|(_, i)| is_near(i)).map(|(number, _)| number).collect()
+    }
+}
+
+impl LampDepths {
+    /// What lamps see, all asked for at once, in their order.
+    ///
+    /// # Errors
+    /// The renderer failed.
+    pub(super) fn of(scene: &dyn Scene, eyes: &[LampEye]) -> Result<Vec<Self>, RenderError> {
+        let asked = |eye: &LampEye| (eye.camera(), eye.near(scene.snapshot()));
+        let asked: Vec<(PinholeCamera, Vec<u32>)> = eyes.par_iter().map(asked).collect();
+        let cameras = asked.iter().map(|(camera, near)| (camera, Some(&near[..]), Stipple::OPAQUE));
+        let seen = asked.iter().zip(depths(scene, cameras)?);
+        let depths = seen.map(|((camera, _), depth_m)| Self {
+            camera: *camera,
+            optical_from_local: camera.local_from_optical.inverse(),
+            depth_m,
+        });
+        Ok(depths.collect())
     }
 
     /// Share of the light that reaches places of surfaces that look along the normals: 1, or 0 behind what is
@@ -125,6 +147,12 @@ mod tests {
 
     use super::*;
 
+    /// What a lamp of object 1 sees.
+    fn seen_by(scene: &dyn Scene, place: Vec3, [ahead, up]: [Vec3; 2], view: LampView) -> LampDepths {
+        let eye = LampEye { own: 1, place, ahead, up, view };
+        LampDepths::of(scene, &[eye]).expect("has no device").remove(0)
+    }
+
     #[test]
     fn what_is_behind_a_car_is_dark() {
         // A block 2 m wide and 1.5 m high, 10 m ahead, and the vehicle whose lamps these are around them.
@@ -135,8 +163,7 @@ mod tests {
         renderer.prepare(&snapshot.meshes).expect("has no device");
         let scene = renderer.place(&snapshot).expect("all meshes are prepared");
         let lamps = Vec3::new(0.4, 0.0, 0.65);
-        let seen = LampDepths::new(&*scene, 1, lamps, [Vec3::X, Vec3::Z], &LampView::HEADLIGHT)
-            .expect("has no device");
+        let seen = seen_by(&*scene, lamps, [Vec3::X, Vec3::Z], LampView::HEADLIGHT);
         let share = |place: Vec3| seen.reaches(&Vec3x8::splat(place), &Vec3x8::splat(-Vec3::X)).to_array()[3];
         let lit = |x: f32, y: f32, z: f32| share(Vec3::new(x, y, z)) > 0.5;
         // Its face itself, and what is before it and beside it.
@@ -164,8 +191,7 @@ mod tests {
             let mut renderer = CpuRenderer::default();
             renderer.prepare(&snapshot.meshes).expect("has no device");
             let scene = renderer.place(&snapshot).expect("all meshes are prepared");
-            let seen =
-                LampDepths::new(&*scene, 1, Vec3::Z, [Vec3::X, Vec3::Z], &view).expect("has no device");
+            let seen = seen_by(&*scene, Vec3::Z, [Vec3::X, Vec3::Z], view);
             let normal = Vec3x8::splat(-Vec3::Y);
             for k in 0..400 {
                 let place = Vec3::new(3.0 + 0.11 * k as f32, off_m, 0.5 + 0.003 * k as f32);
@@ -186,7 +212,7 @@ mod tests {
         renderer.prepare(&snapshot.meshes).expect("has no device");
         let scene = renderer.place(&snapshot).expect("all meshes are prepared");
         let axes = [-Vec3::Z, Vec3::X];
-        let seen = LampDepths::new(&*scene, 1, 8.0 * Vec3::Z, axes, &LampView::WIDE).expect("has no device");
+        let seen = seen_by(&*scene, 8.0 * Vec3::Z, axes, LampView::WIDE);
         let up = Vec3x8::splat(Vec3::Z);
         let share = |x: f32, y: f32| seen.reaches(&Vec3x8::splat(Vec3::new(x, y, 0.0)), &up).to_array()[3];
         // Its far upper edge lies at 7 m, so its shadow ends at 7 * 8 / 6.4.

@@ -4,13 +4,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::Vec3;
-use rayon::prelude::*;
 use render::{RenderError, Scene};
 use schema::geometry::{Snapshot, Surface, TriMesh};
 use schema::{ObjectId, lights};
 use simd::{F32x8, LANES, U32x8, Vec3x8, floor_words};
 
-use super::lamp_depths::{LampDepths, LampView};
+use super::lamp_depths::{LampDepths, LampEye, LampView};
 use super::math::luminance;
 use super::{headlight, street};
 use crate::retro;
@@ -357,6 +356,8 @@ fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), Rend
         (&[Beam::Street], LampView::WIDE),
         (&[Beam::Flood], LampView::WIDE),
     ];
+    // All are asked for at once; those of each kind end there.
+    let (mut eyes, mut ends) = (Vec::new(), Vec::new());
     for (beams, view) in kinds {
         let is_of = |lamp: &Lamp| beams.contains(&lamp.beam);
         // Middle, number of lamps, where they point and what is up.
@@ -374,15 +375,20 @@ fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), Rend
         let away = |place: Vec3| (place - centre).length_squared();
         nearest.sort_by(|a, b| away(a.1).total_cmp(&away(b.1)).then(a.0.cmp(&b.0)));
         nearest.truncate(MOST_SHADED);
-        let seen = |&(object, place, axes): &(ObjectId, Vec3, [Vec3; 2])| {
-            Ok((object, Arc::new(LampDepths::new(scene, object, place, axes, &view)?)))
-        };
-        let seen: Result<BTreeMap<ObjectId, Arc<LampDepths>>, RenderError> =
-            nearest.par_iter().map(seen).collect();
-        let seen = seen?;
-        for lamp in lamps.iter_mut().filter(|lamp| is_of(lamp)) {
+        let eye =
+            |(own, place, [ahead, up]): (ObjectId, Vec3, [Vec3; 2])| LampEye { own, place, ahead, up, view };
+        eyes.extend(nearest.into_iter().map(eye));
+        ends.push(eyes.len());
+    }
+    let mut seen = LampDepths::of(scene, &eyes)?.into_iter().map(Arc::new);
+    let mut first = 0;
+    for ((beams, _), end) in kinds.into_iter().zip(ends) {
+        let own = eyes[first..end].iter().map(|eye| eye.own);
+        let seen: BTreeMap<ObjectId, Arc<LampDepths>> = own.zip(&mut seen).collect();
+        for lamp in lamps.iter_mut().filter(|lamp| beams.contains(&lamp.beam)) {
             lamp.seen = seen.get(&lamp.object).cloned();
         }
+        first = end;
     }
     Ok(())
 }

@@ -18,19 +18,23 @@ const STEP_M: f64 = 64.0;
 /// make grey of the pattern.
 const HALF_OF_PANES: Stipple = Stipple::new([[false, true], [true, false]]);
 
-/// Depths of what a camera sees of a scene, of all instances or of some; panes of vehicles are opaque where a
-/// pattern says so.
+/// Depths of what cameras see of a scene, each of all instances or of some; panes of vehicles are opaque
+/// where a pattern says so. All cameras are asked at once.
 ///
 /// # Errors
 /// The renderer failed.
-pub(super) fn depths(
+pub(super) fn depths<'q>(
     scene: &dyn Scene,
-    camera: &PinholeCamera,
-    among: Option<&[u32]>,
-    panes: Stipple,
-) -> Result<Vec<f32>, RenderError> {
-    let query = CameraQuery { camera: *camera, among, outputs: Outputs::Depths, panes };
-    Ok(scene.render(&[query])?.pop().map_or_else(Vec::new, |seen| seen.depth_m))
+    cameras: impl IntoIterator<Item = (&'q PinholeCamera, Option<&'q [u32]>, Stipple)>,
+) -> Result<Vec<Vec<f32>>, RenderError> {
+    let query = |(camera, among, panes): (&PinholeCamera, _, _)| CameraQuery {
+        camera: *camera,
+        among,
+        outputs: Outputs::Depths,
+        panes,
+    };
+    let queries: Vec<CameraQuery<'_>> = cameras.into_iter().map(query).collect();
+    Ok(scene.render(&queries)?.into_iter().map(|seen| seen.depth_m).collect())
 }
 
 /// How large a map is, and how finely lenses for it are told apart.
@@ -154,17 +158,9 @@ impl Lens {
         Window { corner: [0, 0], side: self.side }
     }
 
-    /// Depths of what it sees of a scene through its camera, of all instances or of some.
-    ///
-    /// # Errors
-    /// The renderer failed.
-    pub(super) fn depths(
-        &self,
-        scene: &dyn Scene,
-        camera: &PinholeCamera,
-        among: Option<&[u32]>,
-    ) -> Result<Vec<f32>, RenderError> {
-        depths(scene, camera, among, if self.through_panes { HALF_OF_PANES } else { Stipple::OPAQUE })
+    /// Where panes stop its light.
+    pub(super) fn panes(&self) -> Stipple {
+        if self.through_panes { HALF_OF_PANES } else { Stipple::OPAQUE }
     }
 
     /// The camera that sees a window, in the local frame of an origin.

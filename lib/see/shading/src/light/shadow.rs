@@ -3,14 +3,15 @@
 //! A light far away sees the same triangles as the cameras, through the same renderer with a very long lens.
 //! A place is in shadow when the light saw something nearer there.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use render::{RenderError, Scene};
+use render::{PinholeCamera, RenderError, Scene};
 use simd::{F32x8, LANES, Vec3x8, floor_words, lerp};
 
-use super::lens::{ABOVE, BLOCK, Lens, MAPS, Window};
+use super::lens::{ABOVE, BLOCK, Lens, MAPS, depths};
 use super::map::{AROUND, Lit, Map};
 use super::still::StillMaps;
 
@@ -58,25 +59,28 @@ pub(crate) fn shadows_at(
         None => (Vec::new(), Vec::new()),
     };
     let all: Vec<u32> = (0..scene.snapshot().instances.len() as u32).collect();
-    let map = |(i, ((lens, window), _)): (usize, &((Lens, Window), bool))| {
-        let camera = lens.camera(&origin, *window);
+    let cameras: Vec<PinholeCamera> =
+        lenses.iter().map(|((lens, window), _)| lens.camera(&origin, *window)).collect();
+    let casters = |i: usize| {
         // Those that are kept come first.
-        let still = standing.get(i).map(Arc::as_ref);
+        let casters = if i < standing.len() { &moving } else { &all };
         // The first map is the one from above.
-        let finer = if i > 1 { lenses.get(i - 1) } else { None };
-        let casters = if still.is_some() { &moving } else { &all };
-        let depth_m = match finer {
-            Some(((finer, window), _)) => {
-                let inner_px = (AROUND as f32 * lens.texel_m + ASLANT_M) / finer.texel_m;
-                let beyond = scene.beyond(&finer.camera(&origin, *window), inner_px, casters);
-                lens.depths(scene, &camera, Some(&beyond))?
-            }
-            None => lens.depths(scene, &camera, Some(casters))?,
-        };
-        Ok(Map::new(lens, *window, &camera, depth_m, still))
+        if i < 2 {
+            return Cow::Borrowed(&casters[..]);
+        }
+        let (lens, finer) = (&lenses[i].0.0, &lenses[i - 1].0.0);
+        let inner_px = (AROUND as f32 * lens.texel_m + ASLANT_M) / finer.texel_m;
+        Cow::Owned(scene.beyond(&cameras[i - 1], inner_px, casters))
     };
-    let maps: Result<Vec<Map>, RenderError> = lenses.par_iter().enumerate().map(map).collect();
-    let mut maps = maps?;
+    let casters: Vec<Cow<'_, [u32]>> = (0..lenses.len()).into_par_iter().map(casters).collect();
+    let asked = lenses.iter().zip(&cameras).zip(&casters);
+    let asked = asked.map(|((((lens, _), _), camera), casters)| (camera, Some(&casters[..]), lens.panes()));
+    let seen = depths(scene, asked)?;
+    let map = |(i, depth_m): (usize, Vec<f32>)| {
+        let (lens, window) = &lenses[i].0;
+        Map::new(lens, *window, &cameras[i], depth_m, standing.get(i).map(Arc::as_ref))
+    };
+    let mut maps: Vec<Map> = seen.into_par_iter().enumerate().map(map).collect();
     let above = maps.remove(0);
     let to_light = lenses.get(1).map_or(Vec3::Z, |((lens, _), _)| -lens.forward);
     Ok((Shadows { to_light, maps }, SkyOcclusionMap { map: above }))

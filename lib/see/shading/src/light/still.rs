@@ -7,7 +7,7 @@ use render::{RenderError, Renderer};
 use schema::ObjectId;
 use schema::geometry::Snapshot;
 
-use super::lens::{ASIDE_M, Lens, LensKey};
+use super::lens::{ASIDE_M, Lens, LensKey, depths};
 use super::map::{Map, Still};
 use super::walls::Walls;
 
@@ -125,7 +125,8 @@ impl<'a> StillMaps<'a> {
     fn make(&self, lens: &Lens) -> Result<Still, RenderError> {
         let snapshot = self.world.around(lens.centre_m.to_array(), ASIDE_M);
         let camera = lens.camera(&snapshot.origin, lens.whole());
-        let depth_m = lens.depths(&*self.renderer.place(&snapshot)?, &camera, None)?;
+        let scene = self.renderer.place(&snapshot)?;
+        let depth_m = depths(&*scene, [(&camera, None, lens.panes())])?.pop().unwrap_or_default();
         Ok(Map::new(lens, lens.whole(), &camera, depth_m, None).into_still())
     }
 

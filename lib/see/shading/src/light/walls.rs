@@ -98,13 +98,14 @@ impl Walls {
             - snapshot.origin.local_from_world(lens.centre_m.to_array()).z;
         // From the south-west, row by row.
         let side = lens.side as usize;
-        let heights = |among: &[u32]| -> Result<Vec<f32>, RenderError> {
-            let depth_m = depths(scene, &camera, Some(among), Stipple::OPAQUE)?;
+        let ground = of(&|mesh| is_ground(mesh) && !is_house(mesh));
+        let asked = [&houses, &ground].map(|among| (&camera, Some(&among[..]), Stipple::OPAQUE));
+        let heights = |depth_m: &Vec<f32>| -> Vec<f32> {
             let rows = depth_m.chunks_exact(side).rev();
-            Ok(rows.flatten().map(|depth_m| up_m - depth_m).collect())
+            rows.flatten().map(|depth_m| up_m - depth_m).collect()
         };
-        let houses_m = heights(&houses)?;
-        let ground_m = heights(&of(&|mesh| is_ground(mesh) && !is_house(mesh)))?;
+        let mut heights_m = depths(scene, asked)?.iter().map(heights).collect::<Vec<_>>().into_iter();
+        let [houses_m, ground_m] = std::array::from_fn(|_| heights_m.next().unwrap_or_default());
         Ok(Self::over(lens.centre_m, lens.texel_m, side, &houses_m, &ground_m))
     }
 

@@ -10,36 +10,54 @@ use super::bloom::{blocks, bloom};
 use super::mirror::{Dry, Mirror, WetSpan};
 use super::picture::Picture;
 use super::rain::{Rain, draw_rain};
-use super::shade::{Row, Shader};
+use super::shade::{BehindPanes, Row, Shader};
 use super::soften::soften;
 use super::spray::Spray;
 use crate::light::Lighting;
 
+/// What one camera saw, to be painted.
+#[derive(Clone, Copy, Debug)]
+pub struct Shot<'a> {
+    /// The camera.
+    pub view: &'a CameraView,
+    /// What it saw.
+    pub seen: &'a VisibilityBuffer,
+}
+
+/// Lights and colours what cameras saw, and what is behind panes.
+///
+/// # Errors
+/// The renderer failed.
+pub fn compose(
+    scene: &dyn Scene,
+    shots: &[Shot<'_>],
+    lighting: &Lighting,
+) -> Result<Vec<Picture>, RenderError> {
+    let panes = Panes::of(scene);
+    let buffers: Vec<&VisibilityBuffer> = shots.iter().map(|shot| shot.seen).collect();
+    let behind = BehindPanes::of(panes.as_ref(), &buffers)?;
+    let picture = |(shot, behind)| Picture::new(scene, shot, (panes.as_ref(), behind), lighting);
+    Ok(shots.par_iter().zip(&behind).map(picture).collect())
+}
+
 impl Picture {
-    /// Lights and colours what was seen, and what is behind panes.
-    ///
-    /// # Errors
-    /// The renderer failed.
-    pub fn new(
+    fn new(
         scene: &dyn Scene,
-        view: &CameraView,
-        buffer: &VisibilityBuffer,
+        shot: &Shot<'_>,
+        behind: (Option<&Panes<'_>>, &BehindPanes),
         lighting: &Lighting,
-    ) -> Result<Self, RenderError> {
+    ) -> Self {
+        let Shot { view, seen: buffer } = *shot;
         let width = buffer.width as usize;
         let mut rgb = vec![0u8; 3 * buffer.instance.len()];
         let blocks = blocks(width);
         let mut bright = vec![Vec3::ZERO; blocks * buffer.height as usize];
         let mut shader = Shader::new(view, buffer, lighting);
         let surfaces = Surfaces::new(buffer, scene.snapshot());
-        let panes = Panes::of(scene);
         let rows = rgb.par_chunks_mut(3 * width).zip(bright.par_chunks_mut(blocks)).enumerate();
-        let wet: Result<Vec<Vec<WetSpan>>, RenderError> = rows
-            .map(|(y, (rgb, bright))| {
-                shader.paint_dry(&surfaces, panes.as_ref(), Row { y: y as u32, rgb, bright })
-            })
+        let wet: Vec<Vec<WetSpan>> = rows
+            .map(|(y, (rgb, bright))| shader.paint_dry(&surfaces, behind, Row { y: y as u32, rgb, bright }))
             .collect();
-        let wet = wet?;
         if wet.iter().any(|row| !row.is_empty()) {
             let dry = rgb.clone();
             let dry = Dry {
@@ -64,7 +82,7 @@ impl Picture {
         let electrons = lighting.exposure.electrons();
         let mut picture = Self { width: buffer.width, height: buffer.height, rgb, electrons };
         picture.add_air_and_lens(&shader, scene, view, &bright);
-        Ok(picture)
+        picture
     }
 
     /// What is between the camera and what it sees, and what the lens makes of bright and sharp things:

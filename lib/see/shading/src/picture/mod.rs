@@ -17,6 +17,7 @@ mod soften;
 mod spray;
 mod vignette;
 
+pub use compose::{Shot, compose};
 pub use drops::Drops;
 pub use noise::Noise;
 pub use picture::Picture;

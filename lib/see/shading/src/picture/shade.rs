@@ -1,6 +1,7 @@
 //! The colour picture: light times surface, span by span.
 
 use glam::Vec3;
+use rayon::prelude::*;
 use render::{Bend, RenderError, SKY, SurfacePoints, SurfaceTriangle, Surfaces, VisibilityBuffer};
 use simd::{F32x8, LANES, STEPS, Vec3x8, exp_neg, smoothstep};
 
@@ -39,15 +40,54 @@ pub(super) struct Row<'p> {
     pub(super) bright: &'p mut [Vec3],
 }
 
-/// What is behind the pixels of a row that show panes, from left to right.
-fn behind_row(
-    panes: &Panes<'_>,
-    buffer: &VisibilityBuffer,
-    y: u32,
-) -> Result<Vec<TransmittedHit>, RenderError> {
-    let camera = &buffer.camera;
-    let turn = glam::Mat3::from(camera.local_from_optical.matrix3);
-    let mut rays = PaneRays::default();
+/// What is behind the pixels of a picture that show panes, row by row, from left to right.
+#[derive(Debug, Default)]
+pub(super) struct BehindPanes {
+    found: Vec<TransmittedHit>,
+    /// By row, where those of it begin; and the end.
+    starts: Vec<usize>,
+}
+
+impl BehindPanes {
+    /// Of several pictures of a scene, asked for at once; nothing where there are no panes.
+    ///
+    /// # Errors
+    /// The renderer failed.
+    pub(super) fn of(
+        panes: Option<&Panes<'_>>,
+        pictures: &[&VisibilityBuffer],
+    ) -> Result<Vec<Self>, RenderError> {
+        let Some(panes) = panes else { return Ok(pictures.iter().map(|_| Self::default()).collect()) };
+        let of_picture = |buffer: &&VisibilityBuffer| {
+            let rows: Vec<PaneRays> =
+                (0..buffer.height).into_par_iter().map(|y| pane_rays(panes, buffer, y)).collect();
+            let (mut all, mut starts) = (pane_rays_of(buffer), vec![0]);
+            for row in rows {
+                all.append(row);
+                starts.push(all.len());
+            }
+            (all, starts)
+        };
+        let (rays, starts): (Vec<_>, Vec<_>) = pictures.par_iter().map(of_picture).unzip();
+        let found = panes.behind(rays)?;
+        Ok(found.into_iter().zip(starts).map(|(found, starts)| Self { found, starts }).collect())
+    }
+
+    fn row(&self, y: u32) -> &[TransmittedHit] {
+        let bounds = self.starts.get(y as usize).zip(self.starts.get(y as usize + 1));
+        bounds.map_or(&[], |(start, end)| &self.found[*start..*end])
+    }
+}
+
+/// Rays through a picture's pixels.
+fn pane_rays_of(buffer: &VisibilityBuffer) -> PaneRays {
+    PaneRays::new(buffer.camera.local_from_optical.translation.into(), 0.0, f32::INFINITY)
+}
+
+/// Rays through the pixels of a row that show panes.
+fn pane_rays(panes: &Panes<'_>, buffer: &VisibilityBuffer, y: u32) -> PaneRays {
+    let turn = glam::Mat3::from(buffer.camera.local_from_optical.matrix3);
+    let mut rays = pane_rays_of(buffer);
     for x in 0..buffer.width {
         let at = buffer.index(x, y);
         if panes.is_pane(buffer.instance[at], buffer.triangle[at]) {
@@ -57,7 +97,7 @@ fn behind_row(
             rays.push(direction / length, buffer.instance[at], buffer.triangle[at], distance_m);
         }
     }
-    panes.behind(0.0, camera.local_from_optical.translation.into(), f32::INFINITY, rays)
+    rays
 }
 
 /// Neighbours in a row that show one triangle, or the sky.
@@ -220,21 +260,17 @@ impl<'a> Shader<'a> {
     }
 
     /// Paints a row but for wet ground, which mirrors the rest: the spans that are left for it.
-    ///
-    /// # Errors
-    /// The renderer failed behind panes.
     pub(super) fn paint_dry(
         &self,
         surfaces: &Surfaces<'_>,
-        panes: Option<&Panes<'_>>,
+        (panes, behind): (Option<&Panes<'_>>, &BehindPanes),
         row: Row<'_>,
-    ) -> Result<Vec<WetSpan>, RenderError> {
+    ) -> Vec<WetSpan> {
         let Row { y, rgb, bright } = row;
         let pixels = rgb.as_chunks_mut::<3>().0;
         let is_wet = self.lighting.around.are_wet();
         let mut wet = Vec::new();
-        let behind = panes.map_or(Ok(Vec::new()), |panes| behind_row(panes, self.buffer, y))?;
-        let mut behind = behind.as_slice();
+        let mut behind = behind.row(y);
         surfaces.for_each_span(y, |columns, triangle| {
             let pixels = &mut pixels[columns.start as usize..columns.end as usize];
             let span = Span { first: columns.start, y, pixels, bright };
@@ -254,7 +290,7 @@ impl<'a> Shader<'a> {
                 None => self.paint_sky(span),
             }
         });
-        Ok(wet)
+        wet
     }
 
     /// Paints the wet ground of a row.
