@@ -35,10 +35,10 @@ use schema::geometry::Snapshot;
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
 use schema::tables::{ActorRow, BoxRow};
 use schema::{ActorRole, AgentId, BevClass, DetectionClass, ObjectId};
-use sensors::{Camera, Image, Lidar, LidarMoment, RadarMotion, Sight};
+use sensors::{Camera, Image, Lidar, LidarMoment, RadarMotion, RadarQuery};
 use settings::stages::{PlanSettings, SimulationSettings};
 use settings::{DatasetSettings, LidarSpec};
-use shading::{CpuPainter, FrameWeather, Painter, Shot, StillWorld};
+use shading::{CpuPainter, FrameWeather, Painter, Shot, Sight, StillWorld};
 use traffic::{SceneInput, SimulationLog};
 use world::{Light, Moment, OwnModels, SceneWorld};
 
@@ -362,15 +362,13 @@ impl<'a> Agentframe<'a> {
             let spec: &LidarSpec = lidar.spec();
             let at = origin.local_from_body(&(self.pose * spec.mount.agent_from_sensor()));
             black_box(lidar.sweep(scene, &LidarMoment::standing(0, at), &stream).is_ok());
-            for radar in &rig.radars {
-                let at = origin.local_from_body(&(self.pose * radar.mount.agent_from_sensor()));
-                let motion = RadarMotion {
-                    local_from_sensor: at,
-                    previous_local_from_sensor: at,
-                    own: Some(self.own),
-                };
-                black_box(sensors::radar(scene, radar, &motion, &stream, 0).is_ok());
-            }
+            let radars = rig.radars.iter().map(|spec| {
+                let at = origin.local_from_body(&(self.pose * spec.mount.agent_from_sensor()));
+                let own = Some(self.own);
+                let motion = RadarMotion { local_from_sensor: at, previous_local_from_sensor: at, own };
+                RadarQuery { spec, motion, stream: &stream }
+            });
+            black_box(sensors::radars(scene, &radars.collect::<Vec<_>>(), 0).is_ok());
         })
     }
 

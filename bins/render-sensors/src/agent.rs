@@ -6,7 +6,7 @@ use replay::Replay;
 use runner::{At, Place, StageError};
 use schema::ObjectId;
 use schema::geometry::Snapshot;
-use sensors::{AgentState, Cameras, Motion, Observation, SharedBeams};
+use sensors::{AgentState, Cameras, Motion, Observation, Radars, SharedBeams};
 use shading::{FrameWeather, Painter, StillWorld};
 
 use crate::recorder::{Channel, Channels};
@@ -42,6 +42,7 @@ pub(crate) struct AgentRig<'a> {
     pub(crate) position: usize,
     pub(crate) cameras: Cameras,
     pub(crate) beams: SharedBeams,
+    pub(crate) radars: Radars,
     pub(crate) channels: Channels,
 }
 
@@ -69,7 +70,7 @@ impl AgentRig<'_> {
             previous: self.previous_motion(frame),
         };
         let at = Observation::new(&*scene, Some(self.eyes.painter), &self.cameras, &when, agent).at(here)?;
-        let at = at.with_scans(&self.beams).at(here)?;
+        let at = at.with_scans(&self.beams).at(here)?.with_radars(&self.radars).at(here)?;
         let channels: Vec<&dyn Channel> = self.channels.at(frame).collect();
         let sensed: Vec<Result<(), StageError>> = channels
             .par_iter()

@@ -13,7 +13,7 @@ use replay::{Light, Replay};
 use runner::frames::{FrameGroup, Writer, in_turn};
 use runner::{At, Job, Place, Stage, StageError};
 use scene::SceneReader;
-use sensors::{Cameras, GeoOrigin, SensorContext, SharedBeams};
+use sensors::{Cameras, GeoOrigin, Radars, SensorContext, SharedBeams};
 use settings::stages::SensorSettings;
 use shading::CpuPainter;
 
@@ -56,8 +56,9 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
         let is_due = |name: &str| due.contains(name);
         let cameras = Cameras::for_tables(rig, is_due).at(here)?;
         let beams = SharedBeams::for_tables(rig, is_due).at(here)?;
+        let radars = Radars::for_tables(rig, |name| carrier(agent).stream(name), is_due);
         let due = channels.due_frames(frames);
-        let seen = AgentRig { replay: &replay, eyes, position, cameras, beams, channels };
+        let seen = AgentRig { replay: &replay, eyes, position, cameras, beams, radars, channels };
         Ok(FrameGroup { due, seen, writer })
     });
     in_turn(parts, frames, &progress, AgentRig::sense)

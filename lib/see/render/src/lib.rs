@@ -3,10 +3,11 @@
 //! [`Renderer`] owns prepared meshes; [`Renderer::place`] puts the instances of one frame over them and gives
 //! a [`Scene`], which answers two questions: what cameras see ([`Scene::render`]) and what rays hit
 //! ([`Scene::trace`]). Many are asked at once; a [`CameraQuery`] and a [`RayQuery`] say among which
-//! instances, when, and what is wanted. Cameras, shadow maps, lidars and radars ask nothing else, and
-//! [`VoxelRenderer`] answers voxel grids. Answers are plain buffers of numbers, nothing that lives on one
-//! device; [`Surfaces`] recovers the exact surface point of every pixel from them, the same for all
-//! renderers. [`cpu`] and the voxels of `labels` fill the seam on the CPU.
+//! instances, when, and what is wanted. Cameras, shadow maps, lidars and radars ask nothing else;
+//! [`render_views`] asks them for cameras with and without lenses. [`VoxelRenderer`] answers voxel grids.
+//! Answers are plain buffers of numbers, nothing that lives on one device; [`Surfaces`] recovers the exact
+//! surface point of every pixel from them, the same for all renderers. [`cpu`] and the voxels of `labels`
+//! fill the seam on the CPU.
 //!
 //! Every renderer keeps to this:
 //! * everything is in the snapshot's local frame (metres, `f32`), cameras in their optical frame;
@@ -46,6 +47,7 @@ mod ray;
 mod scene;
 mod surface;
 mod view;
+mod view_query;
 mod voxels;
 
 pub use bend::Bend;
@@ -60,4 +62,5 @@ pub use ray::{Hit, Hits, RayBatch};
 pub use scene::{Renderer, Scene};
 pub use surface::{SurfacePoint, SurfacePoints, SurfaceTriangle, Surfaces};
 pub use view::CameraView;
+pub use view_query::{ViewQuery, Window, render_views};
 pub use voxels::{VoxelBlock, VoxelRenderer};

@@ -11,8 +11,9 @@ use random::Stream;
 use render::{CameraQuery, Scene};
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
 use schema::tables::Weather;
-use sensors::{Image, Lidar, LidarMoment, RadarMotion, Sight, pixel_counts, radar};
+use sensors::{Image, Lidar, LidarMoment, RadarMotion, RadarQuery, RadarReturns, pixel_counts, radars};
 use settings::{BeamSpec, LidarSpec, Rig, RollingScan, WeatherSpec};
+use shading::Sight;
 use shading::{Lighting, Shot, Sky, compose};
 
 fn main() {
@@ -124,7 +125,8 @@ fn four_radars(bencher: Bencher) {
         let pose = common::at(0.0, -5.2, 0.6, 0.0);
         let motion = RadarMotion { local_from_sensor: pose, previous_local_from_sensor: pose, own: None };
         let rig = Rig::vehicle();
-        let returns = |spec| radar(scene, spec, &motion, &stream, 3).map_or(0, |returns| returns.len());
-        bencher.bench(|| rig.radars.iter().map(returns).sum::<usize>());
+        let query = |spec| RadarQuery { spec, motion, stream: &stream };
+        let queries: Vec<RadarQuery<'_>> = rig.radars.iter().map(query).collect();
+        bencher.bench(|| radars(scene, &queries, 3).map_or(0, |all| all.iter().map(RadarReturns::len).sum()));
     });
 }

@@ -4,9 +4,11 @@
 //! points and labels agree to the triangle. Nothing here reads or writes files: readings are table rows.
 //!
 //! * An [`Observation`] holds what the sensors of one agent are given at one frame. [`see`] looks through
-//!   cameras; each kind of [`Image`] is read from a [`Sight`]. Colour is put into it by a [`Painter`], the
-//!   second, optional seam beside [`render::Renderer`].
-//! * [`Lidar`] holds a lidar's rays; [`Lidar::sweep`] follows them. [`radar`] draws and follows a radar's.
+//!   cameras; each kind of [`Image`] is read from a [`Sight`](shading::Sight). Colour is put into it by a
+//!   [`Painter`](shading::Painter), the second, optional seam beside [`render::Renderer`], which may look as
+//!   well.
+//! * [`Lidar`] holds a lidar's rays; [`Lidar::sweep`] follows them. [`radars`] draws and follows those of
+//!   radars.
 //! * [`gnss`] and [`imu`] need only the agent's motion.
 //! * Every sensor of a rig is a [`Sensor`]; [`visit_sensors`] shows them all.
 //!
@@ -92,7 +94,7 @@ mod registry;
 mod sensor;
 mod surface_hit;
 
-pub use camera::{Camera, Cameras, Image, Sight, decode_depth_m, pixel_counts};
+pub use camera::{Camera, Cameras, Image, decode_depth_m, pixel_counts};
 pub use error::SensorError;
 pub use geo::GeoOrigin;
 pub use gnss::gnss;
@@ -101,7 +103,7 @@ pub use lidar::{Lidar, LidarMoment, LidarSweep, OfBeam, Scan, SensorPath, Shared
 pub use metadata::{camera_metadata, sensor_metadata};
 pub use motion::Motion;
 pub use observation::{AgentState, Observation, see};
-pub use radar::{RadarMotion, RadarReturns, radar};
+pub use radar::{RadarMotion, RadarQuery, RadarReturns, Radars, radars};
 pub use registry::visit_sensors;
 pub use sensor::{Amount, Layout, Sensor, SensorContext, SensorTable, SensorVisitor};
 

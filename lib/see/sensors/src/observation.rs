@@ -1,5 +1,7 @@
 //! What the sensors of an agent are given at one frame.
 
+use std::collections::BTreeMap;
+
 use frames::LocalOrigin;
 use glam::Affine3A;
 use render::Scene;
@@ -7,15 +9,13 @@ use schema::tables::Weather;
 use schema::{ObjectId, rate};
 use settings::Mount;
 
-use crate::camera::sight::Sight;
-use crate::camera::{Cameras, render_views};
+use crate::camera::Cameras;
 use crate::error::SensorError;
 use crate::lidar::{LidarMoment, SensorPath, SharedBeams, SharedScan};
 use crate::motion::Motion;
+use crate::radar::{RadarMotion, RadarReturns, Radars};
 use render::CameraView;
-use shading::FrameWeather;
-use shading::Picture;
-use shading::{Painter, Shot};
+use shading::{FrameWeather, Painter, Sight, wants_colour};
 
 /// An agent at one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +43,8 @@ pub struct Observation<'a> {
     pub sights: Vec<Option<Sight>>,
     /// What rays met that several lidars of the agent fire.
     pub(crate) scans: Vec<SharedScan>,
+    /// What radars of the agent read that followed their rays together, by name.
+    pub(crate) radar_returns: BTreeMap<String, RadarReturns>,
 }
 
 impl<'a> Observation<'a> {
@@ -70,7 +72,8 @@ impl<'a> Observation<'a> {
             let mut seen = seen.into_iter();
             cameras.list.iter().map(|camera| camera.as_ref().and_then(|_| seen.next())).collect()
         };
-        Ok(Self { frame: when.frame, scene, agent, weather: when.weather, sights, scans: Vec::new() })
+        let (scans, radar_returns) = (Vec::new(), BTreeMap::new());
+        Ok(Self { frame: when.frame, scene, agent, weather: when.weather, sights, scans, radar_returns })
     }
 
     /// Follows the rays that several lidars of the agent fire once for all of them. Without it each follows
@@ -80,6 +83,16 @@ impl<'a> Observation<'a> {
     /// The renderer failed.
     pub fn with_scans(mut self, beams: &SharedBeams) -> Result<Self, SensorError> {
         self.scans = beams.scans(self.scene, self.frame, |mount| self.lidar_moment(mount))?;
+        Ok(self)
+    }
+
+    /// Follows the rays of all radars that are due together. Without it each follows its own; what they read
+    /// is the same.
+    ///
+    /// # Errors
+    /// The renderer failed.
+    pub fn with_radars(mut self, radars: &Radars) -> Result<Self, SensorError> {
+        self.radar_returns = radars.read(self.scene, self.frame, |mount| self.radar_motion(mount))?;
         Ok(self)
     }
 
@@ -102,6 +115,12 @@ impl<'a> Observation<'a> {
         [now, self.agent.previous.as_ref().map_or(now, local_from)]
     }
 
+    /// Where a radar on a mount is and was.
+    pub(crate) fn radar_motion(&self, mount: &Mount) -> RadarMotion {
+        let [local_from_sensor, previous_local_from_sensor] = self.local_from_sensor(mount);
+        RadarMotion { local_from_sensor, previous_local_from_sensor, own: Some(self.agent.own) }
+    }
+
     /// What a lidar on a mount sweeps at.
     pub(crate) fn lidar_moment(&self, mount: &Mount) -> LidarMoment {
         let [local_from_sensor, _] = self.local_from_sensor(mount);
@@ -122,23 +141,9 @@ pub fn see(
     place_local: glam::Vec3,
     views: Vec<CameraView>,
 ) -> Result<Vec<Sight>, SensorError> {
-    let seen = render_views(scene, &views)?;
-    let in_colour = |view: &CameraView| view.settings.images.has(schema::ImageKind::Rgb);
-    let shots: Vec<Shot<'_>> = views
-        .iter()
-        .zip(&seen)
-        .filter(|(view, _)| in_colour(view))
-        .map(|(view, seen)| Shot { view, seen })
-        .collect();
-    let pictures: Vec<Picture> = if shots.is_empty() {
-        Vec::new()
-    } else {
-        painter.ok_or(SensorError::NoPainter)?.paint(scene, when, place_local, &shots)?
-    };
-    let mut pictures = pictures.into_iter();
-    let sight = |(view, seen)| {
-        let picture = if in_colour(&view) { pictures.next() } else { None };
-        Sight { view, seen, picture }
-    };
-    Ok(views.into_iter().zip(seen).map(sight).collect())
+    match painter {
+        Some(painter) => Ok(painter.see(scene, when, place_local, views)?),
+        None if views.iter().any(wants_colour) => Err(SensorError::NoPainter),
+        None => Ok(Sight::all(scene, views)?),
+    }
 }

@@ -1,19 +1,19 @@
 //! The interface of painters, and the painter on the CPU.
 
 use glam::Vec3;
-use render::{RenderError, Renderer, Scene};
+use render::{CameraView, RenderError, Renderer, Scene};
 
 use crate::light::{FrameWeather, SceneLights, StillWorld};
 use crate::picture::{Picture, Shot, compose};
+use crate::sight::{Sight, wants_colour};
 
-/// Paints colour pictures of one scene from what a renderer saw: the second seam, which a renderer need not
-/// fill.
+/// Paints colour pictures of one scene from what a renderer saw: the second seam.
 ///
-/// A painter owns the lights of its scene (skies by frame, shadow maps by frame and place). Pictures of two
-/// painters may differ by two levels a channel; a dataset is painted by one.
+/// A painter owns the lights of its scene (skies by frame, shadow maps by frame and place). All painters give
+/// the same pictures, bit for bit, so that one scene may be painted by several.
 pub trait Painter: Send + Sync {
     /// A picture for each shot, in their order. All were taken near `place_local` (the agent's origin, in the
-    /// snapshot's local frame) at one frame.
+    /// snapshot's local frame, metres) at one frame.
     ///
     /// # Errors
     /// The renderer or the painter's device failed.
@@ -24,6 +24,30 @@ pub trait Painter: Send + Sync {
         place_local: Vec3,
         shots: &[Shot<'_>],
     ) -> Result<Vec<Picture>, RenderError>;
+
+    /// What cameras near `place_local` see, in their order, with pictures where [`wants_colour`] says so. A
+    /// painter whose device looks as well answers this whole: what was seen need not leave the device to be
+    /// painted.
+    ///
+    /// # Errors
+    /// As [`Painter::paint`].
+    fn see(
+        &self,
+        scene: &dyn Scene,
+        when: &FrameWeather,
+        place_local: Vec3,
+        views: Vec<CameraView>,
+    ) -> Result<Vec<Sight>, RenderError> {
+        let mut sights = Sight::all(scene, views)?;
+        let in_colour = sights.iter().filter(|sight| wants_colour(&sight.view));
+        let shots: Vec<Shot<'_>> = in_colour.map(|Sight { view, seen, .. }| Shot { view, seen }).collect();
+        if !shots.is_empty() {
+            let pictures = self.paint(scene, when, place_local, &shots)?;
+            let in_colour = sights.iter_mut().filter(|sight| wants_colour(&sight.view));
+            in_colour.zip(pictures).for_each(|(sight, picture)| sight.picture = Some(picture));
+        }
+        Ok(sights)
+    }
 }
 
 /// Paints on the processor's cores.

@@ -86,13 +86,14 @@ impl Scene for CpuScene<'_> {
     }
 
     fn trace(&self, queries: &[RayQuery<'_>]) -> Result<Vec<Hits>, RenderError> {
-        let mut moments: Vec<Moment<'_>> = Vec::new();
-        for query in queries.iter().filter(|query| query.before != 0.0) {
-            if !moments.iter().any(|moment| moment.is_of(query)) {
-                let same = queries.iter().filter(|other| other.before.to_bits() == query.before.to_bits());
-                moments.push(self.moment(query.before, same));
-            }
-        }
+        let mut before: Vec<f32> =
+            queries.iter().map(|query| query.before).filter(|before| *before != 0.0).collect();
+        before.sort_by(f32::total_cmp);
+        before.dedup_by_key(|before| before.to_bits());
+        let moment = |&before: &f32| {
+            self.moment(before, queries.iter().filter(|query| query.before.to_bits() == before.to_bits()))
+        };
+        let moments: Vec<Moment<'_>> = before.par_iter().map(moment).collect();
         let answer = |query: &RayQuery<'_>| {
             let moment = moments.iter().find(|moment| moment.is_of(query));
             let (placed, trees) = match moment {

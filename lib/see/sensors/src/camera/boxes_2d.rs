@@ -3,18 +3,19 @@
 use std::collections::BTreeMap;
 
 use glam::Vec3;
-use render::{CameraQuery, PinholeCamera, SKY, Scene, VisibilityBuffer};
+use render::{CameraView, PinholeCamera, SKY, Scene, ViewQuery, VisibilityBuffer, Window, render_views};
 use schema::geometry::{Instance, Snapshot};
 use schema::tables::{BOXES_2D_TABLE, Box2dRow};
 use schema::{DetectionClass, ObjectId, Tag};
 use settings::Rig;
 
-use super::render_views::{Window, render_bent_views};
-use super::sight::Sight;
 use crate::error::SensorError;
 use crate::observation::Observation;
 use crate::sensor::{Layout, Sensor, SensorTable};
-use render::CameraView;
+use shading::Sight;
+
+/// Windows of so many pixels are held at a time, and one more: 12 bytes each.
+const BATCH_PX: u64 = 1 << 22;
 
 /// Measures every object with a class in every camera of an agent.
 pub(crate) struct Boxes2d {
@@ -39,14 +40,16 @@ impl Sensor for Boxes2d {
     }
 
     fn sense(&self, at: &Observation<'_>) -> Result<Vec<Box2dRow>, SensorError> {
-        let mut rows = Vec::new();
-        for (camera, sight) in self.cameras.iter().zip(&at.sights) {
-            let Some(sight) = sight else { continue };
-            for shown in measure(at.scene, sight)? {
-                rows.push(Box2dRow { frame: at.frame, camera: camera.clone(), ..shown });
-            }
-        }
-        Ok(rows)
+        let looking = self.cameras.iter().zip(&at.sights);
+        let (cameras, sights): (Vec<&String>, Vec<&Sight>) =
+            looking.filter_map(|(camera, sight)| Some((camera, sight.as_ref()?))).unzip();
+        let rows = measure(at.scene, &sights)?.into_iter();
+        let named = |(number, row): (usize, Box2dRow)| Box2dRow {
+            frame: at.frame,
+            camera: cameras[number].clone(),
+            ..row
+        };
+        Ok(rows.map(named).collect())
     }
 }
 
@@ -57,9 +60,12 @@ fn is_boxed(tag: Tag) -> bool {
 
 /// An object in the picture.
 struct Shown {
+    id: ObjectId,
     class: DetectionClass,
     pixels: u32,
     visible: Rect,
+    /// Numbers of its instances, ascending.
+    instances: Vec<u32>,
 }
 
 /// A rectangle of whole pixels: first column and row, and those after the last.
@@ -69,63 +75,61 @@ struct Rect {
     high: [u32; 2],
 }
 
-/// The boxes of one sight, by object; frame and camera are not said yet.
-fn measure(scene: &dyn Scene, sight: &Sight) -> Result<Vec<Box2dRow>, SensorError> {
-    let (snapshot, seen) = (scene.snapshot(), &sight.seen);
-    let (view, camera) = (&sight.view, sight.view.pinhole());
-    let shown = shown(snapshot, seen);
-    let mut parts: BTreeMap<ObjectId, Vec<u32>> = shown.keys().map(|id| (*id, Vec::new())).collect();
-    for (number, instance) in (0..).zip(&snapshot.instances) {
-        if let Some(parts) = parts.get_mut(&instance.object) {
-            parts.push(number);
-        }
-    }
-    let measured: Vec<(ObjectId, &Shown, [f32; 4], &[u32])> = parts
-        .iter()
-        .filter_map(|(id, parts)| {
-            let object = shown.get(id)?;
-            let instances = parts.iter().map(|&i| &snapshot.instances[i as usize]);
-            let amodal = silhouette(snapshot, instances, view, object.visible);
-            Some((*id, object, amodal, parts.as_slice()))
+/// The boxes of some sights, one after the other, by object, each with the number of its sight; frame and
+/// camera are not said yet. What the objects of all sights would show alone is asked for in few batches.
+fn measure(scene: &dyn Scene, sights: &[&Sight]) -> Result<Vec<(usize, Box2dRow)>, SensorError> {
+    let snapshot = scene.snapshot();
+    let shown: Vec<(usize, Shown)> = (0..)
+        .zip(sights)
+        .flat_map(|(number, sight)| {
+            shown(snapshot, &sight.seen).into_iter().map(move |object| (number, object))
         })
         .collect();
-    let windows: Vec<Window> = measured.iter().map(|(_, _, amodal, _)| window(&camera, *amodal)).collect();
-    let parts = measured.iter().map(|(_, _, _, instances)| *instances);
-    let alone = look_alone(scene, view, &windows, parts)?;
-    let rows = measured.iter().zip(&windows).zip(&alone).map(|(((id, object, amodal, _), window), alone)| {
-        let hidden = hidden(snapshot, seen, *id, alone, window.corner);
-        let Rect { low, high } = object.visible;
-        Box2dRow {
-            id: *id,
-            class: object.class.name().to_owned(),
-            pixels: object.pixels,
-            visible_px: [low[0], low[1], high[0], high[1]].map(|v| v as f32),
-            amodal_px: *amodal,
-            occlusion: hidden as f32 / (hidden + object.pixels) as f32,
-            truncation: truncation(*amodal, &camera),
-            ..Box2dRow::default()
+    let (amodal, alone): (Vec<[f32; 4]>, Vec<ViewQuery<'_>>) =
+        shown.iter().map(|(number, object)| object.whole(snapshot, sights[*number])).unzip();
+    let mut rows = Vec::with_capacity(shown.len());
+    while rows.len() < shown.len() {
+        let mut pixels = 0;
+        let batch = alone[rows.len()..].iter().take_while(|query| {
+            let [width, height] = query.window.size;
+            let fits = pixels < BATCH_PX;
+            pixels += u64::from(width) * u64::from(height);
+            fits
+        });
+        let batch: Vec<ViewQuery<'_>> = batch.copied().collect();
+        for (query, seen_alone) in batch.iter().zip(render_views(scene, &batch)?) {
+            let (number, object) = &shown[rows.len()];
+            let sight = sights[*number];
+            let hidden = hidden(snapshot, &sight.seen, object.id, &seen_alone, query.window.corner);
+            rows.push((*number, object.row(hidden, amodal[rows.len()], &sight.view.pinhole())));
         }
-    });
-    Ok(rows.collect())
+    }
+    Ok(rows)
 }
 
-/// What windows of a picture would show of some instances each, if there were no others.
-fn look_alone<'a>(
-    scene: &dyn Scene,
-    view: &CameraView,
-    windows: &[Window],
-    parts: impl Iterator<Item = &'a [u32]>,
-) -> Result<Vec<VisibilityBuffer>, SensorError> {
-    let pairs = windows.iter().zip(parts);
-    if view.model.rays().is_some() {
-        return pairs.map(|(window, instances)| render_bent_views(scene, view, *window, instances)).collect();
+impl Shown {
+    /// The box around all of it in a picture, pixels, and what asks for the part of the picture in that box
+    /// as if there were no other objects.
+    fn whole<'a>(&'a self, snapshot: &Snapshot, sight: &'a Sight) -> ([f32; 4], ViewQuery<'a>) {
+        let instances = self.instances.iter().map(|&i| &snapshot.instances[i as usize]);
+        let amodal_px = silhouette(snapshot, instances, &sight.view, self.visible);
+        let window = window(&sight.view.pinhole(), amodal_px);
+        (amodal_px, ViewQuery { view: &sight.view, window, among: Some(&self.instances) })
     }
-    let camera = view.pinhole();
-    let alone = |(window, instances): (&Window, &'a [u32])| CameraQuery {
-        among: Some(instances),
-        ..CameraQuery::of(cropped(&camera, window))
-    };
-    Ok(scene.render(&pairs.map(alone).collect::<Vec<_>>())?)
+
+    fn row(&self, hidden_pixels: u32, amodal_px: [f32; 4], camera: &PinholeCamera) -> Box2dRow {
+        let Rect { low, high } = self.visible;
+        Box2dRow {
+            id: self.id,
+            class: self.class.name().to_owned(),
+            pixels: self.pixels,
+            visible_px: [low[0], low[1], high[0], high[1]].map(|v| v as f32),
+            amodal_px,
+            occlusion: hidden_pixels as f32 / (hidden_pixels + self.pixels) as f32,
+            truncation: truncation(amodal_px, camera),
+            ..Box2dRow::default()
+        }
+    }
 }
 
 /// The tag of what a pixel shows, and whose it is; none of the sky.
@@ -137,8 +141,8 @@ fn part_at(snapshot: &Snapshot, seen: &VisibilityBuffer, pixel: usize) -> Option
     })
 }
 
-/// The objects with a class that a picture shows.
-fn shown(snapshot: &Snapshot, seen: &VisibilityBuffer) -> BTreeMap<ObjectId, Shown> {
+/// The objects with a class that a picture shows, by their ids.
+fn shown(snapshot: &Snapshot, seen: &VisibilityBuffer) -> Vec<Shown> {
     // A class needs one of its tags in the picture: a rider's alone has none.
     let mut found: BTreeMap<ObjectId, (Option<DetectionClass>, u32, Rect)> = BTreeMap::new();
     for y in 0..seen.height {
@@ -156,12 +160,17 @@ fn shown(snapshot: &Snapshot, seen: &VisibilityBuffer) -> BTreeMap<ObjectId, Sho
         }
     }
     let classes = classes_of(snapshot, &found.keys().copied().collect::<Vec<_>>());
-    found
-        .into_iter()
-        .filter_map(|(id, (class, pixels, visible))| {
-            Some((id, Shown { class: class.or_else(|| classes.get(&id).copied())?, pixels, visible }))
-        })
-        .collect()
+    let object = |(id, (class, pixels, visible)): (ObjectId, (Option<DetectionClass>, u32, Rect))| {
+        let class = class.or_else(|| classes.get(&id).copied())?;
+        Some((id, Shown { id, class, pixels, visible, instances: Vec::new() }))
+    };
+    let mut shown: BTreeMap<ObjectId, Shown> = found.into_iter().filter_map(object).collect();
+    for (number, instance) in (0..).zip(&snapshot.instances) {
+        if let Some(object) = shown.get_mut(&instance.object) {
+            object.instances.push(number);
+        }
+    }
+    shown.into_values().collect()
 }
 
 /// The classes of some objects by all their parts, whether they are seen or not.
@@ -244,13 +253,6 @@ fn window(camera: &PinholeCamera, [left, top, right, bottom]: [f32; 4]) -> Windo
     Window { corner: low, size: [high[0] - low[0], high[1] - low[1]] }
 }
 
-/// A window of a picture as a camera of its own.
-fn cropped(camera: &PinholeCamera, window: &Window) -> PinholeCamera {
-    let ([left, top], [width, height]) = (window.corner, window.size);
-    // The axis lies at a 1024th of a pixel: every pixel keeps its ray, bit for bit.
-    PinholeCamera { width, height, cx: camera.cx - left as f32, cy: camera.cy - top as f32, ..*camera }
-}
-
 /// Pixels that would show an object if nothing else were there, and show something else.
 fn hidden(
     snapshot: &Snapshot,
@@ -288,7 +290,6 @@ mod tests {
     use testkit::{WorldBuilder, box_mesh};
 
     use super::super::mounted::Camera;
-    use super::super::render_views::render_views;
     use super::*;
 
     /// Boxes in front of a camera at the origin that looks along x, 100 by 60 pixels, focal length 50 pixels.
@@ -308,8 +309,9 @@ mod tests {
         };
         let camera = Camera::new(&spec, &CameraSettings::default()).expect("is one");
         let view = camera.view(&snapshot.origin, &Pose::identity(), &Pose::identity());
-        let seen = render_views(&*scene, std::slice::from_ref(&view)).expect("has no device").remove(0);
-        measure(&*scene, &Sight { view, seen, picture: None }).expect("has no device")
+        let sight = Sight::all(&*scene, vec![view]).expect("has no device").remove(0);
+        let measured = measure(&*scene, &[&sight]).expect("has no device");
+        measured.into_iter().map(|(_, row)| row).collect()
     }
 
     fn thing(world: &mut WorldBuilder, tag: Tag, size: [f32; 3], id: u16, xyz: [f64; 3]) {

@@ -8,13 +8,13 @@ use settings::Rig;
 
 use super::encode;
 use super::image::{Image, Images};
-use super::sight::Sight;
 use crate::error::SensorError;
 use crate::observation::Observation;
 use crate::sensor::{Amount, Sensor, SensorContext, SensorTable};
 use shading::Drops;
 use shading::Noise;
 use shading::Picture;
+use shading::Sight;
 
 impl Image for Rgb {
     type Row = CameraRow;

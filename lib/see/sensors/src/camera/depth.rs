@@ -8,8 +8,8 @@ use schema::tables::CameraRow;
 
 use super::encode::{self, Content};
 use super::image::Image;
-use super::sight::Sight;
 use crate::error::SensorError;
+use shading::Sight;
 
 /// Depth at the end of the 24-bit scale, metres.
 const DEPTH_SCALE_M: f64 = 1000.0;

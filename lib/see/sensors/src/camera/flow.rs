@@ -8,8 +8,8 @@ use schema::table::Halves;
 use schema::tables::{FlowRow, HalfFlowRow};
 
 use super::image::Image;
-use super::sight::Sight;
 use crate::error::SensorError;
+use shading::Sight;
 
 /// Current minus previous position on the screen of the surface at each pixel, x right, y up, the picture
 /// being 2 units wide and high.

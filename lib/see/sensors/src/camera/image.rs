@@ -8,11 +8,11 @@ use schema::measures::sensors::IMAGES;
 use schema::table::Row;
 use settings::Rig;
 
-use super::sight::Sight;
 use crate::error::SensorError;
 use crate::metadata::camera_metadata;
 use crate::observation::Observation;
 use crate::sensor::{Amount, Layout, Sensor, SensorTable};
+use shading::Sight;
 
 /// A kind of image that is made of what a camera saw.
 pub trait Image: OfKind + Send + Sync + 'static {

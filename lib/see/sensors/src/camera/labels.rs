@@ -11,8 +11,8 @@ use schema::{ObjectId, Tag};
 
 use super::encode::{self, Content};
 use super::image::Image;
-use super::sight::Sight;
 use crate::error::SensorError;
+use shading::Sight;
 
 /// [`Tag::camera_rgb`] of each pixel, that of [`Tag::Sky`] where nothing is seen.
 impl Image for Semantic {

@@ -8,8 +8,6 @@ mod flow;
 mod image;
 mod labels;
 mod mounted;
-mod render_views;
-pub(crate) mod sight;
 mod visible;
 
 use schema::ImageKind;
@@ -25,8 +23,6 @@ pub use image::Image;
 use image::Images;
 pub use labels::pixel_counts;
 pub use mounted::{Camera, Cameras};
-pub(crate) use render_views::render_views;
-pub use sight::Sight;
 pub(crate) use visible::VisibleObjects;
 
 /// Shows a visitor the images of every camera of a rig. A kind and the type that makes it have one name, and

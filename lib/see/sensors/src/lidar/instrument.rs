@@ -89,20 +89,25 @@ impl Lidar {
         at: &LidarMoment,
         stream: &Stream,
     ) -> Result<LidarSweep, SensorError> {
-        let (panes, air) = (self.panes(scene), Air::of(&self.spec, &at.weather));
-        let swept = self.slices.par_iter().map(|slice| {
-            let patches = slice.patches.par_iter();
-            let drawn: Vec<Drawn> =
-                patches.map(|patch| Drawn::new(&self.spec, patch, stream, at.frame)).collect();
-            let kept: Vec<&[u32]> = drawn.iter().map(|drawn| &drawn.kept[..]).collect();
-            let followed = self.follow((scene, panes.as_ref()), at, slice, &kept)?;
+        let drawn: Vec<Vec<Drawn>> = self
+            .slices
+            .par_iter()
+            .map(|slice| {
+                let patches = slice.patches.par_iter();
+                patches.map(|patch| Drawn::new(&self.spec, patch, stream, at.frame)).collect()
+            })
+            .collect();
+        let kept: Vec<Vec<&[u32]>> =
+            drawn.iter().map(|drawn| drawn.iter().map(|drawn| &drawn.kept[..]).collect()).collect();
+        let scan = self.follow(scene, at, &kept)?;
+        let air = Air::of(&self.spec, &at.weather);
+        let swept = self.slices.par_iter().zip(&drawn).zip(&scan.slices).map(|((slice, drawn), followed)| {
             let receiver = self.receiver(scene, at, stream, air.as_ref(), slice);
-            let each = slice.patches.par_iter().zip(&drawn).zip(&followed);
-            Ok(each
-                .map(|((patch, drawn), followed)| receiver.receive(patch, drawn, &drawn.kept, followed))
-                .collect())
+            let each = slice.patches.par_iter().zip(drawn).zip(followed);
+            each.map(|((patch, drawn), followed)| receiver.receive(patch, drawn, &drawn.kept, followed))
+                .collect()
         });
-        Ok(joined(&swept.collect::<Result<Vec<_>, SensorError>>()?, self.spec.tells_returns()))
+        Ok(joined(&swept.collect::<Vec<_>>(), self.spec.tells_returns()))
     }
 
     /// The same, bit for bit, of rays that were followed already: those of all beams, by a lidar that fires
@@ -153,71 +158,101 @@ impl Lidar {
     /// # Errors
     /// The renderer failed.
     pub fn scan(&self, scene: &dyn Scene, at: &LidarMoment) -> Result<Scan, SensorError> {
-        let panes = self.panes(scene);
-        let all = |slice: &Slice| {
-            let beams: Vec<&[u32]> = slice.patches.iter().map(|patch| &patch.order[..]).collect();
-            self.follow((scene, panes.as_ref()), at, slice, &beams)
-        };
-        Ok(Scan { slices: self.slices.par_iter().map(all).collect::<Result<_, _>>()? })
+        let patches = self.slices.iter().map(|slice| slice.patches.iter());
+        let beams: Vec<Vec<&[u32]>> =
+            patches.map(|patches| patches.map(|patch| &patch.order[..]).collect()).collect();
+        self.follow(scene, at, &beams)
     }
 
-    /// The panes that its light passes.
-    fn panes<'a>(&self, scene: &'a dyn Scene) -> Option<Panes<'a>> {
-        if self.spec.glass { Panes::of(scene) } else { None }
-    }
-
-    /// Follows the rays of some beams of each patch of a slice.
+    /// Follows the rays of some beams of each patch of each slice, all at once.
     fn follow(
         &self,
-        (scene, panes): (&dyn Scene, Option<&Panes<'_>>),
+        scene: &dyn Scene,
         at: &LidarMoment,
-        slice: &Slice,
-        beams: &[&[u32]],
-    ) -> Result<Vec<Followed>, SensorError> {
-        let local_from_sensor = at.path.before(slice.before);
-        let gun = Emitter::new(&self.spec, &self.directions, local_from_sensor);
-        let fired: Vec<Vec<Vec3>> =
-            slice.patches.par_iter().zip(beams).map(|(patch, beams)| gun.fire(patch, beams)).collect();
-        let origin = Vec3::from(local_from_sensor.translation);
+        beams: &[Vec<&[u32]>],
+    ) -> Result<Scan, SensorError> {
+        let fired = self.slices.par_iter().zip(beams).map(|(slice, beams)| {
+            let local_from_sensor = at.path.before(slice.before);
+            let gun = Emitter::new(&self.spec, &self.directions, local_from_sensor);
+            let patches = slice.patches.par_iter().zip(beams);
+            Fired {
+                origin: local_from_sensor.translation.into(),
+                before: slice.before,
+                directions: patches.map(|(patch, beams)| gun.fire(patch, beams)).collect(),
+            }
+        });
+        let fired: Vec<Fired> = fired.collect();
         let range_m = [0.0, self.spec.range_m as f32];
-        let query = |directions| RayQuery {
+        let query = |(slice, directions): (&Fired, _)| RayQuery {
             before: slice.before,
-            ..RayQuery::of(RayBatch { origin, directions, range_m, nearest_m: &[] })
+            ..RayQuery::of(RayBatch { origin: slice.origin, directions, range_m, nearest_m: &[] })
         };
-        let queries: Vec<RayQuery<'_>> = fired.iter().map(|directions| query(directions)).collect();
-        let hits = scene.trace(&queries)?;
-        let behind = match panes {
-            Some(panes) => self.behind(panes, slice.before, origin, &fired, &hits)?,
-            None => vec![Vec::new(); fired.len()],
+        let patches =
+            fired.iter().flat_map(|slice| slice.directions.iter().map(move |rays| (slice, &rays[..])));
+        let queries: Vec<RayQuery<'_>> = patches.map(query).collect();
+        let mut hits = scene.trace(&queries)?.into_iter();
+        let hits: Vec<Vec<Hits>> =
+            fired.iter().map(|slice| hits.by_ref().take(slice.directions.len()).collect()).collect();
+        let panes = if self.spec.glass { Panes::of(scene) } else { None };
+        let mut behind = match panes {
+            Some(panes) => behind_panes(&panes, &fired, &hits, range_m[1])?,
+            None => fired.iter().map(|slice| vec![Vec::new(); slice.directions.len()]).collect(),
+        }
+        .into_iter();
+        let slice = |(slice, hits): (Fired, Vec<Hits>)| {
+            let behind = behind.next().into_iter().flatten();
+            let patches = slice.directions.into_iter().zip(hits).zip(behind);
+            patches.map(|((directions, hits), behind)| Followed { directions, hits, behind }).collect()
         };
-        let followed = fired.into_iter().zip(hits).zip(behind);
-        Ok(followed.map(|((directions, hits), behind)| Followed { directions, hits, behind }).collect())
+        Ok(Scan { slices: fired.into_iter().zip(hits).map(slice).collect() })
     }
+}
 
-    /// Of each patch, what those rays met (by their numbers) that passed panes. All are followed at once:
-    /// between frames to place moving objects cost more than the rays do.
-    fn behind(
-        &self,
-        panes: &Panes<'_>,
-        before: f32,
-        origin: Vec3,
-        fired: &[Vec<Vec3>],
-        hits: &[Hits],
-    ) -> Result<Vec<Vec<(u32, TransmittedHit)>>, SensorError> {
-        let (mut places, mut rays) = (Vec::new(), PaneRays::new(origin, before, self.spec.range_m as f32));
-        for (number, (directions, hits)) in fired.iter().zip(hits).enumerate() {
-            for (ray, hit) in (0..).zip(hits.iter()) {
-                if let Some(hit) = hit.filter(|hit| panes.is_pane(hit.instance, hit.triangle)) {
-                    places.push((number, ray));
-                    rays.push(directions[ray as usize], hit.instance, hit.triangle, hit.t);
+/// Rays that are fired at one moment.
+struct Fired {
+    /// Where from, snapshot's local frame, metres.
+    origin: Vec3,
+    /// The moment: 0 is this frame, 1 the one before.
+    before: f32,
+    /// Unit directions of each patch's rays, snapshot's local frame.
+    directions: Vec<Vec<Vec3>>,
+}
+
+/// What those rays of a patch met (by their numbers, ascending) that passed panes.
+type Transmitted = Vec<(u32, TransmittedHit)>;
+
+/// Of each slice and patch, what is behind the panes that its rays met. All are followed at once: to place
+/// moving objects between frames costs more than the rays do.
+fn behind_panes(
+    panes: &Panes<'_>,
+    fired: &[Fired],
+    hits: &[Vec<Hits>],
+    reach_m: f32,
+) -> Result<Vec<Vec<Transmitted>>, SensorError> {
+    let met: Vec<(Vec<(usize, u32)>, PaneRays)> = fired
+        .par_iter()
+        .zip(hits)
+        .map(|(slice, hits)| {
+            let (mut places, mut rays) = (Vec::new(), PaneRays::new(slice.origin, slice.before, reach_m));
+            for (patch, (directions, hits)) in slice.directions.iter().zip(hits).enumerate() {
+                for (ray, hit) in (0..).zip(hits.iter()) {
+                    if let Some(hit) = hit.filter(|hit| panes.is_pane(hit.instance, hit.triangle)) {
+                        places.push((patch, ray));
+                        rays.push(directions[ray as usize], hit.instance, hit.triangle, hit.t);
+                    }
                 }
             }
+            (places, rays)
+        })
+        .collect();
+    let (places, rays): (Vec<_>, Vec<_>) = met.into_iter().unzip();
+    let passed = panes.behind(rays)?;
+    let slices = fired.iter().zip(places).zip(passed).map(|((slice, places), passed)| {
+        let mut behind = vec![Vec::new(); slice.directions.len()];
+        for ((patch, ray), passed) in places.into_iter().zip(passed) {
+            behind[patch].push((ray, passed));
         }
-        let mut behind = vec![Vec::new(); fired.len()];
-        let passed = panes.behind(vec![rays])?.into_iter().flatten();
-        for ((number, ray), passed) in places.into_iter().zip(passed) {
-            behind[number].push((ray, passed));
-        }
-        Ok(behind)
-    }
+        behind
+    });
+    Ok(slices.collect())
 }

@@ -13,8 +13,9 @@ use schema::Tag;
 use schema::geometry::Surface;
 use schema::images::{Depth, Flow, Instance, Rgb, Semantic};
 use schema::tables::Weather;
-use sensors::{Image, Sight, decode_depth_m, pixel_counts};
+use sensors::{Image, decode_depth_m, pixel_counts};
 use settings::{CameraSettings, Lens, Mount, Optics};
+use shading::Sight;
 
 fn decode(bytes: &[u8]) -> (Vec<u8>, png::OutputInfo) {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));

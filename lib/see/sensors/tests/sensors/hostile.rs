@@ -14,8 +14,8 @@ use schema::geometry::{Snapshot, TriMesh};
 use schema::tables::Weather;
 use schema::{AgentId, ImageKind, ImageSet};
 use sensors::{
-    AgentState, Camera, Cameras, GeoOrigin, Lidar, LidarMoment, Motion, Observation, RadarMotion, Sensor,
-    SensorContext, SensorError, SensorVisitor, radar,
+    AgentState, Camera, Cameras, GeoOrigin, Lidar, LidarMoment, Motion, Observation, RadarMotion, RadarQuery,
+    Sensor, SensorContext, SensorError, SensorVisitor, radars,
 };
 use settings::{
     BeamSpec, CameraSettings, CameraSpec, GnssSpec, ImuSpec, LidarSpec, Mount, Optics, Rig, RollingScan,
@@ -142,8 +142,9 @@ fn odd_lidars_and_radars_return_something_or_nothing() {
                 let pose = Affine3A::from_translation(Vec3::Z);
                 let motion =
                     RadarMotion { local_from_sensor: pose, previous_local_from_sensor: pose, own: Some(1) };
-                let returns = radar(scene, &spec, &motion, &stream(), 0).expect("has no device");
-                assert!(returns.len() <= 50);
+                let query = RadarQuery { spec: &spec, motion, stream: &stream() };
+                let returns = radars(scene, &[query], 0).expect("has no device");
+                assert!(returns[0].len() <= 50);
             }
         }
     });

@@ -5,9 +5,9 @@ use schema::Tag;
 use schema::geometry::{Instance, Snapshot, Surface};
 use schema::lights;
 use schema::tables::Weather;
-use sensors::Sight;
 use settings::CameraSettings;
 use shading::Picture;
+use shading::Sight;
 
 const SHELL: u16 = 7;
 

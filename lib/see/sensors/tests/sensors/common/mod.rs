@@ -11,9 +11,9 @@ use render::{Renderer, Scene};
 use schema::geometry::{Instance, MeshPart, Snapshot, Surface, TriMesh, Wall};
 use schema::tables::{CameraRow, Weather};
 use schema::{ImageSet, Tag, lights};
-use sensors::{Camera, Image, Sight};
+use sensors::{Camera, Image};
 use settings::{CameraSettings, CameraSpec, Mount, Optics};
-use shading::{CpuPainter, FrameWeather, Lighting, Painter, Picture, Sky};
+use shading::{CpuPainter, FrameWeather, Lighting, Painter, Picture, Sight, Sky};
 pub(crate) use testkit::{MeshBuilder, block, instance, plane, snapshot};
 
 /// A renderer with a snapshot's meshes.

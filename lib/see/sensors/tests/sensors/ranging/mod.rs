@@ -12,7 +12,7 @@ use random::Stream;
 use render::{RayBatch, RayQuery, Renderer, Scene};
 use schema::Tag;
 use schema::geometry::{Surface, Wall};
-use sensors::{Lidar, LidarMoment, LidarSweep, RadarMotion, RadarReturns, SensorError};
+use sensors::{Lidar, LidarMoment, LidarSweep, RadarMotion, RadarQuery, RadarReturns, SensorError};
 use settings::{LidarSpec, RadarSpec, Rig, ScanPattern};
 
 fn stream() -> Stream {
@@ -25,7 +25,8 @@ fn sweep(spec: &LidarSpec, scene: &dyn Scene, pose: Affine3A, frame: u32) -> Lid
 }
 
 fn radar(scene: &dyn Scene, spec: &RadarSpec, motion: &RadarMotion, frame: u32) -> RadarReturns {
-    sensors::radar(scene, spec, motion, &stream(), frame).expect("has no device")
+    let query = RadarQuery { spec, motion: *motion, stream: &stream() };
+    sensors::radars(scene, &[query], frame).expect("has no device").remove(0)
 }
 
 fn small(spec: LidarSpec) -> LidarSpec {

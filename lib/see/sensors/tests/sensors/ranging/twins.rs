@@ -9,9 +9,9 @@ use render::{CameraQuery, Hits, RayQuery, RenderError, Renderer, Scene, Visibili
 use schema::geometry::{Instance, Snapshot, Surface};
 use schema::table::{Column, Row};
 use schema::tables::Weather;
-use schema::{AgentId, ImageSet, Tag};
+use schema::{AgentId, ImageSet, ObjectId, Tag};
 use sensors::{
-    AgentState, Cameras, GeoOrigin, Lidar, LidarMoment, Motion, Observation, Sensor, SensorContext,
+    AgentState, Cameras, GeoOrigin, Lidar, LidarMoment, Motion, Observation, Radars, Sensor, SensorContext,
     SensorError, SensorPath, SensorVisitor, SharedBeams,
 };
 use settings::{BeamSpec, LidarSpec, Mount, Returned, Rig, RollingScan, ScanPattern, WeatherSpec};
@@ -73,10 +73,17 @@ fn sweeps_of_shared_rays_are_those_of_own_rays() {
     }
 }
 
-/// A scene that counts the rays that are followed at the frame's time.
+/// A scene that counts questions about rays, and the rays that are followed at the frame's time.
 struct Counting<'a> {
     scene: &'a dyn Scene,
     rays: AtomicUsize,
+    questions: AtomicUsize,
+}
+
+impl<'a> Counting<'a> {
+    fn of(scene: &'a dyn Scene) -> Self {
+        Self { scene, rays: AtomicUsize::new(0), questions: AtomicUsize::new(0) }
+    }
 }
 
 impl Scene for Counting<'_> {
@@ -90,6 +97,7 @@ impl Scene for Counting<'_> {
 
     fn trace(&self, queries: &[RayQuery<'_>]) -> Result<Vec<Hits>, RenderError> {
         let now = queries.iter().filter(|query| query.before == 0.0 && !query.cabins);
+        self.questions.fetch_add(1, Ordering::Relaxed);
         self.rays.fetch_add(now.map(|query| query.rays.directions.len()).sum(), Ordering::Relaxed);
         self.scene.trace(queries)
     }
@@ -106,6 +114,64 @@ impl SensorVisitor for Readings<'_> {
             self.1.push(S::Row::to_columns(&sensor.sense(self.0)?));
         }
         Ok(())
+    }
+}
+
+/// An agent that stands in the street as an object.
+fn standing(own: ObjectId) -> (SensorContext, AgentState) {
+    let carrier =
+        SensorContext { seed: 1, scene: 0, agent: AgentId::vehicle(0), geo_origin: GeoOrigin::default() };
+    let motion = Motion {
+        world_from_agent: Pose::<World, Agent>::from_xyz_rpy([0.0, -5.0, 0.0], [0.0; 3]),
+        velocity_mps: Vector3::zeros(),
+        angular_velocity_radps: Vector3::zeros(),
+    };
+    (carrier, AgentState { own, motion, previous: None })
+}
+
+#[test]
+fn a_rolling_sweep_is_one_question() {
+    let world = glassy();
+    let renderer = prepared(&world);
+    let scene = renderer.place(&world).expect("all meshes are prepared");
+    let counting = Counting::of(&*scene);
+    let rolling = Some(RollingScan { slices: 8, compensated: true });
+    let lidar = Lidar::new(&LidarSpec { rolling, ..small(LidarSpec::vehicle()) }).expect("is small");
+    let moment = LidarMoment::standing(3, at(0.0, -5.0, 1.8, 0.2));
+    lidar.sweep(&counting, &moment, &stream()).expect("has no device");
+    assert_eq!(counting.questions.load(Ordering::Relaxed), 1);
+}
+
+#[test]
+fn radars_follow_their_rays_together_and_read_the_same() {
+    let mut rig = Rig { cameras: Vec::new(), lidars: Vec::new(), ..Rig::vehicle() };
+    rig.camera.images = ImageSet::NONE;
+    rig.radars[0].every_n_frames = 2;
+    let mut world = street(false);
+    // A body around the radars, of several surfaces.
+    let body = world.meshes.len() as u32;
+    world.meshes = [&world.meshes[..], &[block([5.0, 2.0, 1.5], Tag::Car, Surface::Paint)]].concat().into();
+    world.instances.push(instance(body, 900, at(0.0, -5.0, 0.0, 0.0)));
+    let renderer = prepared(&world);
+    let scene = renderer.place(&world).expect("all meshes are prepared");
+    let (carrier, agent) = standing(900);
+    let radars = Radars::for_tables(&rig, |name| carrier.stream(name), |_| true);
+    for frame in [1, 2] {
+        let counting = Counting::of(&*scene);
+        let when = FrameWeather { frame, ..first_frame(&Weather::default()) };
+        let cameras = Cameras::of(&rig).expect("has none");
+        let read = |at: Result<Observation<'_>, SensorError>| {
+            let at = at.expect("has no device");
+            let mut readings = Readings(&at, Vec::new());
+            sensors::visit_sensors(&rig, &carrier, &mut readings).expect("has no device");
+            (readings.1, counting.questions.swap(0, Ordering::Relaxed))
+        };
+        let observed = || Observation::new(&counting, None, &cameras, &when, agent);
+        let (alone, asked_alone) = read(observed());
+        let (together, asked) = read(observed().and_then(|at| at.with_radars(&radars)));
+        assert!(alone == together, "frame {frame}");
+        // One question for all, and one for the rays that go on behind the body.
+        assert!(asked == 2 && asked_alone > 4, "{asked} {asked_alone}");
     }
 }
 
@@ -127,16 +193,9 @@ fn rays_of_twins_are_followed_once_and_read_the_same() {
     let renderer = prepared(&world);
     let scene = renderer.place(&world).expect("all meshes are prepared");
     let beams = SharedBeams::of(&rig).expect("are small");
-    let carrier =
-        SensorContext { seed: 1, scene: 0, agent: AgentId::vehicle(0), geo_origin: GeoOrigin::default() };
-    let motion = Motion {
-        world_from_agent: Pose::<World, Agent>::from_xyz_rpy([0.0, -5.0, 0.0], [0.0; 3]),
-        velocity_mps: Vector3::zeros(),
-        angular_velocity_radps: Vector3::zeros(),
-    };
-    let agent = AgentState { own: 1, motion, previous: None };
+    let (carrier, agent) = standing(1);
     for frame in [1, 2] {
-        let counting = Counting { scene: &*scene, rays: AtomicUsize::new(0) };
+        let counting = Counting::of(&*scene);
         let when = FrameWeather { frame, ..first_frame(&Weather::default()) };
         let cameras = Cameras::of(&rig).expect("has none");
         let observed = || Observation::new(&counting, None, &cameras, &when, agent).expect("nobody looks");

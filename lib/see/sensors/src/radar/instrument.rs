@@ -4,17 +4,12 @@ use glam::{Affine3A, Vec3};
 use random::Stream;
 use rayon::prelude::*;
 use render::{Hit, Hits, RayBatch, RayQuery, RenderError, Scene};
-use schema::geometry::Instance;
-use schema::measures::sensors::RADAR_POINTS;
+use schema::geometry::{Instance, Snapshot};
 use schema::tables::RadarRow;
 use schema::{FRAME_PERIOD_S, ObjectId};
 use settings::RadarSpec;
 
 use crate::echo;
-use crate::error::SensorError;
-use crate::metadata::sensor_metadata;
-use crate::observation::Observation;
-use crate::sensor::{Amount, Layout, Sensor, SensorContext, SensorTable};
 use crate::surface_hit::SurfaceHit;
 
 /// Rays may start within the agent's own body; each surface of it that is passed costs one more trace of
@@ -57,7 +52,18 @@ pub struct RadarReturns {
     pub tag: Vec<u8>,
 }
 
-/// One reading of a radar.
+/// A reading of a radar that is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct RadarQuery<'a> {
+    /// The radar.
+    pub spec: &'a RadarSpec,
+    /// Where it is.
+    pub motion: RadarMotion,
+    /// Its random numbers.
+    pub stream: &'a Stream,
+}
+
+/// One reading each of some radars at a frame, in their order; all rays are followed together.
 ///
 /// Each ray ends at `(range, range tan(h / 2) r cos phi, range tan(v / 2) r sin phi)` in the sensor frame,
 /// with `r` and `phi` drawn evenly: an elliptic cone, denser at its axis. Ray `i` of frame `f` reads the
@@ -66,61 +72,69 @@ pub struct RadarReturns {
 ///
 /// # Errors
 /// The renderer failed.
-pub fn radar(
+pub fn radars(
     scene: &dyn Scene,
-    spec: &RadarSpec,
-    motion: &RadarMotion,
-    stream: &Stream,
+    radars: &[RadarQuery<'_>],
     frame: u32,
-) -> Result<RadarReturns, RenderError> {
-    let rays = draw(spec, &motion.local_from_sensor, stream, frame);
-    let hits = beyond_own(scene, motion, &rays)?;
+) -> Result<Vec<RadarReturns>, RenderError> {
+    let drawn: Vec<Vec<Drawn>> = radars
+        .par_iter()
+        .map(|radar| draw(radar.spec, &radar.motion.local_from_sensor, radar.stream, frame))
+        .collect();
+    let hits = beyond_own(scene, radars, &drawn)?;
+    let each = radars.par_iter().zip(&drawn).zip(&hits);
+    Ok(each.map(|((radar, rays), hits)| radar.receive(scene.snapshot(), rays, hits)).collect())
+}
 
-    let origin = Vec3::from(motion.local_from_sensor.translation);
-    let before = Vec3::from(motion.previous_local_from_sensor.translation);
-    let velocity = (origin - before) / FRAME_PERIOD_S as f32;
-    let snapshot = scene.snapshot();
-    let echo = |(ray, hit): (&Drawn, &Option<Hit>)| {
-        let hit = (*hit).filter(|hit| hit.t <= ray.limit_m)?;
-        let surface_hit = SurfaceHit::new(snapshot, &hit)?;
-        let part = &snapshot.instances[hit.instance as usize];
-        let moved = if spec.micro_motion {
-            way_of(
-                [&part.local_from_object, &part.previous_local_from_object],
-                part,
-                surface_hit.position_object(&hit),
-            )
-        } else {
-            let motion = snapshot.motion(part.object);
-            motion.map_or(Vec3::ZERO, |m| {
+impl RadarQuery<'_> {
+    /// What comes back of rays that were followed.
+    fn receive(&self, snapshot: &Snapshot, rays: &[Drawn], hits: &[Option<Hit>]) -> RadarReturns {
+        let Self { spec, motion, .. } = *self;
+        let origin = Vec3::from(motion.local_from_sensor.translation);
+        let before = Vec3::from(motion.previous_local_from_sensor.translation);
+        let velocity = (origin - before) / FRAME_PERIOD_S as f32;
+        let echo = |(ray, hit): (&Drawn, &Option<Hit>)| {
+            let hit = (*hit).filter(|hit| hit.t <= ray.limit_m)?;
+            let surface_hit = SurfaceHit::new(snapshot, &hit)?;
+            let part = &snapshot.instances[hit.instance as usize];
+            let moved = if spec.micro_motion {
                 way_of(
-                    [&m.local_from_object, &m.previous_local_from_object],
+                    [&part.local_from_object, &part.previous_local_from_object],
                     part,
                     surface_hit.position_object(&hit),
                 )
+            } else {
+                let motion = snapshot.motion(part.object);
+                motion.map_or(Vec3::ZERO, |m| {
+                    way_of(
+                        [&m.local_from_object, &m.previous_local_from_object],
+                        part,
+                        surface_hit.position_object(&hit),
+                    )
+                })
+            };
+            let cos_angle = f64::from(surface_hit.normal_local.dot(ray.direction).abs().min(1.0));
+            let range_m = f64::from(hit.t);
+            let patch_m2 = echo::cross_section_m2(surface_hit.part, ray.solid_angle_sr, range_m, cos_angle);
+            let rcs_dbsm = echo::dbsm(patch_m2);
+            let direction = ray.end / ray.limit_m;
+            Some(Return {
+                number: ray.number,
+                depth_m: hit.t,
+                altitude_rad: frames::math::f32::asin(direction.z.clamp(-1.0, 1.0)),
+                azimuth_rad: frames::math::f32::atan2(direction.y, direction.x),
+                velocity_mps: (moved / FRAME_PERIOD_S as f32 - velocity).dot(ray.direction),
+                rcs_dbsm: rcs_dbsm as f32,
+                snr_db: echo::snr_db(spec.snr_db, rcs_dbsm, range_m) as f32,
+                id: surface_hit.object,
+                tag: surface_hit.part.tag as u8,
             })
         };
-        let cos_angle = f64::from(surface_hit.normal_local.dot(ray.direction).abs().min(1.0));
-        let range_m = f64::from(hit.t);
-        let patch_m2 = echo::cross_section_m2(surface_hit.part, ray.solid_angle_sr, range_m, cos_angle);
-        let rcs_dbsm = echo::dbsm(patch_m2);
-        let direction = ray.end / ray.limit_m;
-        Some(Return {
-            number: ray.number,
-            depth_m: hit.t,
-            altitude_rad: frames::math::f32::asin(direction.z.clamp(-1.0, 1.0)),
-            azimuth_rad: frames::math::f32::atan2(direction.y, direction.x),
-            velocity_mps: (moved / FRAME_PERIOD_S as f32 - velocity).dot(ray.direction),
-            rcs_dbsm: rcs_dbsm as f32,
-            snr_db: echo::snr_db(spec.snr_db, rcs_dbsm, range_m) as f32,
-            id: surface_hit.object,
-            tag: surface_hit.part.tag as u8,
-        })
-    };
-    let mut found: Vec<Return> =
-        rays.par_iter().zip(&hits).with_min_len(RAYS_PER_TASK).filter_map(echo).collect();
-    found.sort_unstable_by_key(|r| r.number);
-    Ok(found.into_iter().collect())
+        let mut found: Vec<Return> =
+            rays.par_iter().zip(hits).with_min_len(RAYS_PER_TASK).filter_map(echo).collect();
+        found.sort_unstable_by_key(|r| r.number);
+        found.into_iter().collect()
+    }
 }
 
 /// One return.
@@ -208,42 +222,77 @@ fn draw(spec: &RadarSpec, local_from_sensor: &Affine3A, stream: &Stream, frame: 
     rays
 }
 
-/// What each ray hits first that is not the agent's own body.
+/// Of each radar, what each ray hits first that is not the agent's own body.
 fn beyond_own(
     scene: &dyn Scene,
-    motion: &RadarMotion,
-    rays: &[Drawn],
-) -> Result<Vec<Option<Hit>>, RenderError> {
-    let origin = Vec3::from(motion.local_from_sensor.translation);
-    let directions: Vec<Vec3> = rays.iter().map(|ray| ray.direction).collect();
-    let farthest_m = rays.iter().map(|ray| ray.limit_m).fold(0.0, f32::max);
-    let all = RayBatch { origin, directions: &directions, range_m: [0.0, farthest_m], nearest_m: &[] };
-    let mut hits: Vec<Option<Hit>> = scene.trace(&[RayQuery::of(all)])?.iter().flat_map(Hits::iter).collect();
+    radars: &[RadarQuery<'_>],
+    drawn: &[Vec<Drawn>],
+) -> Result<Vec<Vec<Option<Hit>>>, RenderError> {
+    let all = radars.iter().zip(drawn).map(|(radar, rays)| Onward {
+        origin: radar.motion.local_from_sensor.translation.into(),
+        farthest_m: rays.iter().map(|ray| ray.limit_m).fold(0.0, f32::max),
+        directions: rays.iter().map(|ray| ray.direction).collect(),
+        nearest_m: Vec::new(),
+    });
+    let all: Vec<Onward> = all.collect();
+    let queries: Vec<RayQuery<'_>> = all.iter().map(Onward::query).collect();
+    let mut hits: Vec<Vec<Option<Hit>>> =
+        scene.trace(&queries)?.iter().map(|hits| hits.iter().collect()).collect();
 
     let instances = &scene.snapshot().instances;
-    let is_own = |hit: &Hit| {
-        motion.own.is_some() && instances.get(hit.instance as usize).map(|i| i.object) == motion.own
+    let is_own = |radar: &RadarQuery<'_>, hit: &Hit| {
+        let own = radar.motion.own;
+        own.is_some() && instances.get(hit.instance as usize).map(|i| i.object) == own
     };
     for _ in 0..OWN_SURFACES {
-        let inside: Vec<(usize, Hit)> = hits
-            .iter()
-            .enumerate()
-            .filter_map(|(ray, hit)| Some((ray, (*hit)?)))
-            .filter(|(_, hit)| is_own(hit))
-            .collect();
-        if inside.is_empty() {
+        // Rays that met the own body go on behind it.
+        let (mut places, mut onward) = (Vec::new(), Vec::new());
+        for (number, (radar, hits)) in radars.iter().zip(&hits).enumerate() {
+            let mut rays = Onward { directions: Vec::new(), nearest_m: Vec::new(), ..all[number] };
+            for (ray, hit) in hits.iter().enumerate() {
+                if let Some(hit) = hit.filter(|hit| is_own(radar, hit)) {
+                    places.push((number, ray));
+                    rays.directions.push(drawn[number][ray].direction);
+                    rays.nearest_m.push(hit.t + STEP_M);
+                }
+            }
+            if !rays.directions.is_empty() {
+                onward.push(rays);
+            }
+        }
+        if onward.is_empty() {
             break;
         }
-        let directions: Vec<Vec3> = inside.iter().map(|(ray, _)| rays[*ray].direction).collect();
-        let nearest_m: Vec<f32> = inside.iter().map(|(_, hit)| hit.t + STEP_M).collect();
-        let onward =
-            RayBatch { origin, directions: &directions, range_m: [0.0, farthest_m], nearest_m: &nearest_m };
-        let next = scene.trace(&[RayQuery::of(onward)])?;
-        for ((ray, _), hit) in inside.iter().zip(next.iter().flat_map(Hits::iter)) {
-            hits[*ray] = hit;
+        let queries: Vec<RayQuery<'_>> = onward.iter().map(Onward::query).collect();
+        let next = scene.trace(&queries)?;
+        for ((number, ray), hit) in places.into_iter().zip(next.iter().flat_map(Hits::iter)) {
+            hits[number][ray] = hit;
         }
     }
-    Ok(hits.into_iter().map(|hit| hit.filter(|hit| !is_own(hit))).collect())
+    let others = |(radar, hits): (&RadarQuery<'_>, Vec<Option<Hit>>)| {
+        hits.into_iter().map(|hit| hit.filter(|hit| !is_own(radar, hit))).collect()
+    };
+    Ok(radars.iter().zip(hits).map(others).collect())
+}
+
+/// Rays of a radar that are followed.
+struct Onward {
+    origin: Vec3,
+    farthest_m: f32,
+    directions: Vec<Vec3>,
+    /// From where on each looks; empty where that is the radar.
+    nearest_m: Vec<f32>,
+}
+
+impl Onward {
+    fn query(&self) -> RayQuery<'_> {
+        RayQuery::of(RayBatch {
+            origin: self.origin,
+            directions: &self.directions,
+            range_m: [0.0, self.farthest_m],
+            nearest_m: &self.nearest_m,
+        })
+    }
 }
 
 impl RadarReturns {
@@ -274,38 +323,5 @@ impl RadarReturns {
             id: self.id,
             tag: self.tag,
         }
-    }
-}
-
-/// A radar of an agent.
-pub(crate) struct Radar {
-    spec: RadarSpec,
-    stream: Stream,
-}
-
-impl Radar {
-    pub(crate) fn new(spec: &RadarSpec, carrier: &SensorContext) -> Self {
-        Self { spec: spec.clone(), stream: carrier.stream(&spec.name) }
-    }
-}
-
-impl Sensor for Radar {
-    type Row = RadarRow;
-
-    fn table(&self) -> SensorTable {
-        let every = self.spec.every_n_frames;
-        let about = sensor_metadata(&self.spec.name, &self.spec.mount, every);
-        SensorTable::new(&self.spec.name, Some(about), Layout::Frames, every)
-    }
-
-    fn sense(&self, at: &Observation<'_>) -> Result<Vec<RadarRow>, SensorError> {
-        let [local_from_sensor, previous_local_from_sensor] = at.local_from_sensor(&self.spec.mount);
-        let motion = RadarMotion { local_from_sensor, previous_local_from_sensor, own: Some(at.agent.own) };
-        Ok(vec![radar(at.scene, &self.spec, &motion, &self.stream, at.frame)?.into_row(at.frame)])
-    }
-
-    fn amount(&self, rows: &[RadarRow]) -> Option<Amount> {
-        let count = rows.iter().map(|row| row.depth.len() as u64).sum();
-        Some(Amount { measure: RADAR_POINTS, count })
     }
 }
