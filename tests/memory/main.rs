@@ -80,9 +80,9 @@ struct Sweeps<'u> {
     table: TableWriter<LidarRow>,
 }
 
-impl Writer<EncodedGroup> for Sweeps<'_> {
-    fn take(&mut self, _: u32, row: EncodedGroup) -> Result<(), StageError> {
-        Ok(self.table.append(row)?)
+impl Writer<Vec<EncodedGroup>> for Sweeps<'_> {
+    fn take(&mut self, _: u32, groups: Vec<EncodedGroup>) -> Result<(), StageError> {
+        Ok(groups.into_iter().try_for_each(|group| self.table.append(group))?)
     }
 
     fn finish(self) -> Result<(), StageError> {

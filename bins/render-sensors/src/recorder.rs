@@ -91,10 +91,7 @@ impl<S: Sensor> Channel for Reading<S> {
         let rows = self.sensor.sense(at).at(place)?;
         let amount = self.sensor.amount(&rows);
         let rows = match &self.encoder {
-            Some(encoder) => {
-                let groups: Result<_, _> = rows.chunks(1).map(|row| encoder.encode(row)).collect();
-                Rows::Encoded(groups?)
-            }
+            Some(encoder) => Rows::Encoded(encoder.encode(&rows)?),
             None => Rows::Plain(rows),
         };
         self.waiting().insert(at.frame, Waiting { rows, amount });

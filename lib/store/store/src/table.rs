@@ -54,7 +54,6 @@ pub struct TableWriter<R> {
     failed: Failed,
     /// The group that is being filled.
     open: Option<OpenGroup>,
-    rows_per_group: usize,
     rows: u64,
 }
 
@@ -64,8 +63,8 @@ impl<R: Row> TableWriter<R> {
         let rows_per_group = if options.rows_per_group == 0 { 65_536 } else { options.rows_per_group };
         let failed = file.failed();
         let (file, encoder) = start(file, schema, &options)?;
-        let encoder = GroupEncoder { encoder: Arc::new(encoder), row: PhantomData };
-        Ok(Self { file, encoder, failed, open: None, rows_per_group, rows: 0 })
+        let encoder = GroupEncoder { encoder: Arc::new(encoder), rows_per_group, row: PhantomData };
+        Ok(Self { file, encoder, failed, open: None, rows: 0 })
     }
 
     /// What encodes groups of this table, on any thread.
@@ -81,11 +80,11 @@ impl<R: Row> TableWriter<R> {
     pub fn push(&mut self, rows: &[R]) -> Result<(), StoreError> {
         let mut rest = rows;
         while !rest.is_empty() {
-            let encoder = &self.encoder.encoder;
+            let GroupEncoder { encoder, rows_per_group, .. } = &self.encoder;
             let mut group = self.open.take().map_or_else(|| encoder.open(), Ok)?;
-            let n = rest.len().min(self.rows_per_group - group.rows);
+            let n = rest.len().min(rows_per_group - group.rows);
             encoder.fill(&mut group, R::to_columns(&rest[..n]), n)?;
-            if group.rows == self.rows_per_group {
+            if group.rows == *rows_per_group {
                 let group = encoder.close(group)?;
                 self.append(group)?;
             } else {
@@ -127,24 +126,29 @@ impl<R: Row> TableWriter<R> {
 /// Encodes groups of rows of one table, on any thread. Cheap to clone.
 pub struct GroupEncoder<R> {
     encoder: Arc<Encoder>,
+    rows_per_group: usize,
     row: PhantomData<fn(R)>,
 }
 
 impl<R> Clone for GroupEncoder<R> {
     fn clone(&self) -> Self {
-        Self { encoder: Arc::clone(&self.encoder), row: PhantomData }
+        Self { encoder: Arc::clone(&self.encoder), rows_per_group: self.rows_per_group, row: PhantomData }
     }
 }
 
 impl<R: Row> GroupEncoder<R> {
-    /// Encodes rows as a group of their own.
+    /// Encodes rows as groups of their own, each of as many rows as the table's groups have and the last of
+    /// what is left.
     ///
     /// # Errors
     /// The rows are none of such a table.
-    pub fn encode(&self, rows: &[R]) -> Result<EncodedGroup, StoreError> {
-        let mut group = self.encoder.open()?;
-        self.encoder.fill(&mut group, R::to_columns(rows), rows.len())?;
-        self.encoder.close(group)
+    pub fn encode(&self, rows: &[R]) -> Result<Vec<EncodedGroup>, StoreError> {
+        let group = |rows: &[R]| {
+            let mut group = self.encoder.open()?;
+            self.encoder.fill(&mut group, R::to_columns(rows), rows.len())?;
+            self.encoder.close(group)
+        };
+        rows.chunks(self.rows_per_group).map(group).collect()
     }
 }
 

@@ -356,10 +356,11 @@ fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), Rend
         (&[Beam::Street], LampView::WIDE),
         (&[Beam::Flood], LampView::WIDE),
     ];
-    // All are asked for at once; those of each kind end there.
-    let (mut eyes, mut ends) = (Vec::new(), Vec::new());
-    for (beams, view) in kinds {
-        let is_of = |lamp: &Lamp| beams.contains(&lamp.beam);
+    // All are asked for at once. An object may have lamps of several kinds: each looks for itself.
+    let kind_of = |lamp: &Lamp| kinds.iter().position(|(beams, _)| beams.contains(&lamp.beam));
+    let (mut eyes, mut owned) = (Vec::new(), Vec::new());
+    for (kind, (_, view)) in kinds.into_iter().enumerate() {
+        let is_of = |lamp: &Lamp| kind_of(lamp) == Some(kind);
         // Middle, number of lamps, where they point and what is up.
         let mut owners: BTreeMap<ObjectId, (Vec3, f32, [Vec3; 2])> = BTreeMap::new();
         for lamp in lamps.iter().filter(|lamp| is_of(lamp)) {
@@ -377,18 +378,13 @@ fn shade(scene: &dyn Scene, lamps: &mut [Lamp], centre: Vec3) -> Result<(), Rend
         nearest.truncate(MOST_SHADED);
         let eye =
             |(own, place, [ahead, up]): (ObjectId, Vec3, [Vec3; 2])| LampEye { own, place, ahead, up, view };
+        owned.extend(nearest.iter().map(|(object, ..)| (kind, *object)));
         eyes.extend(nearest.into_iter().map(eye));
-        ends.push(eyes.len());
     }
-    let mut seen = LampDepths::of(scene, &eyes)?.into_iter().map(Arc::new);
-    let mut first = 0;
-    for ((beams, _), end) in kinds.into_iter().zip(ends) {
-        let own = eyes[first..end].iter().map(|eye| eye.own);
-        let seen: BTreeMap<ObjectId, Arc<LampDepths>> = own.zip(&mut seen).collect();
-        for lamp in lamps.iter_mut().filter(|lamp| beams.contains(&lamp.beam)) {
-            lamp.seen = seen.get(&lamp.object).cloned();
-        }
-        first = end;
+    let seen = LampDepths::of(scene, &eyes)?.into_iter().map(Arc::new);
+    let seen: BTreeMap<(usize, ObjectId), Arc<LampDepths>> = owned.into_iter().zip(seen).collect();
+    for lamp in lamps {
+        lamp.seen = kind_of(lamp).and_then(|kind| seen.get(&(kind, lamp.object)).cloned());
     }
     Ok(())
 }

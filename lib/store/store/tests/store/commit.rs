@@ -133,9 +133,10 @@ fn groups_are_encoded_on_any_thread(bench: &Bench) {
     let encoder = table.encoder();
     let groups = std::thread::scope(|threads| {
         let encoder = &encoder;
-        let encode = |row| threads.spawn(move || encoder.encode(std::slice::from_ref(row)).expect("encodes"));
-        let begun: Vec<_> = rows[1..4].iter().map(encode).collect();
-        begun.into_iter().map(|thread| thread.join().expect("ends")).collect::<Vec<_>>()
+        // Two rows are two groups of such a table.
+        let encode = |rows| threads.spawn(move || encoder.encode(rows).expect("encodes"));
+        let begun: Vec<_> = [&rows[1..3], &rows[3..4]].map(encode).into();
+        begun.into_iter().flat_map(|thread| thread.join().expect("ends")).collect::<Vec<_>>()
     });
     // Both ways in one table.
     table.push(&rows[..1]).expect("writes");
@@ -148,8 +149,9 @@ fn groups_are_encoded_on_any_thread(bench: &Bench) {
     let open = "scenes/0007/c.parquet";
     let mut table = unit.table(open, TableOptions::default()).expect("opens");
     table.push(&rows[..2]).expect("writes");
-    let group = table.encoder().encode(&rows[2..]).expect("encodes");
-    table.append(group).expect("writes");
+    let groups = table.encoder().encode(&rows[2..]).expect("encodes");
+    assert_eq!(groups.len(), 1);
+    groups.into_iter().for_each(|group| table.append(group).expect("writes"));
     unit.add(table.finish().expect("finishes"));
     unit.finish().expect("commits");
     let manifest = attempt.commit().expect("commits");
