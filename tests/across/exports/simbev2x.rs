@@ -74,11 +74,22 @@ fn imports_are_as_what_was_exported(bench: &Bench, processed: &Path, raw: &Path)
     on(bench, &one, "stats", &[]).expect_done();
     let status = Command::new(program("convoy")).args(["status", "--store"]).arg(&one).output();
     Outcome::of(&status.expect("the program starts")).expect_done();
-    let mut why = Command::new(program("convoy"));
-    why.args(["status", "--why", "0", "bev-gt", "--config"]).arg(bench.config()).arg("--store").arg(&one);
-    let why = Outcome::of(&why.output().expect("the program starts"));
-    why.expect_done();
-    assert!(why.stdout.contains("bev-gt: done\n  imported\n"), "{}", why.stdout);
+    // With a configuration and without: an import has none.
+    let config = bench.config().display().to_string();
+    for given in [&["--config", &config][..], &[]] {
+        let mut why = Command::new(program("convoy"));
+        why.args(["status", "--why", "0"]).args(["merge-tracks"]).args(given).arg("--store").arg(&one);
+        let why = Outcome::of(&why.output().expect("the program starts"));
+        why.expect_done();
+        assert!(why.stdout.contains("merge-tracks: done\n"), "{}", why.stdout);
+        assert!(why.stdout.contains(": done\n    imported\n"), "{}", why.stdout);
+    }
+    let made_here = Command::new(program("convoy"))
+        .args(["status", "--why", "0", "bev-gt", "--store"])
+        .arg(bench.store())
+        .output();
+    let made_here = Outcome::of(&made_here.expect("the program starts"));
+    assert!(made_here.code == 2 && made_here.stderr.contains("told by --config FILE"), "{made_here:?}");
     on(bench, &one, "check", &[]).expect_done();
     exports_of_imports_say_what_they_lack(bench, &one);
     pictures_of_imports_say_what_they_lack(bench, &one);

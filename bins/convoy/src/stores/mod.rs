@@ -97,7 +97,7 @@ pub(crate) enum StoreCommand {
         edition: Option<u32>,
         /// Only why a stage of a scene is done, stale, missing or failed: the changed keys that it sees, what
         /// it was made from, and the same of that, down to the plan.
-        #[arg(long, num_args = 2, value_names = ["SCENE", "STAGE"], conflicts_with = "scenes", requires = "config")]
+        #[arg(long, num_args = 2, value_names = ["SCENE", "STAGE"], conflicts_with = "scenes")]
         why: Option<Vec<String>>,
         /// Say what is suspicious in the configuration; it is an error (2).
         #[arg(long)]
@@ -190,7 +190,7 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
             let programs = Programs::of_build(stamp, None);
             let place = (&*store, arguments::stage::edition_wish(grow, edition));
             match (why.as_deref(), config.as_deref()) {
-                (Some([scene, stage]), Some(config)) => why::why(config, place, (scene, stage), &programs),
+                (Some([scene, stage]), config) => why::why(config, place, (scene, stage), &programs),
                 // What is only suspicious, `run` says.
                 (_, Some(config)) => {
                     let rule = Suspicious::of(strict, false);

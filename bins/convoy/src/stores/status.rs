@@ -56,21 +56,24 @@ fn status_code(told: Result<bool, StageError>) -> u8 {
 
 /// The table without a configuration, which stores of imports do not have.
 pub(crate) fn status_of_import(path: &Path, only: Option<&SceneList>, programs: &Programs) -> u8 {
-    let told = Store::open_made(path).map_err(StageError::from).and_then(|store| {
-        if !is_imported(&store)? {
-            let place = path.display();
-            tracing::error!(
-                "{place}: was made here, not imported: what of it is stale is told by --config FILE"
-            );
-            return Ok(None);
-        }
-        Ok(Some(status_table(Status::of_import(&store, programs), None, &store, only)?))
-    });
-    match told {
-        Ok(None) => EXIT_USAGE,
-        Ok(Some(all_done)) => status_code(Ok(all_done)),
-        Err(e) => status_code(Err(e)),
+    let told = open_import(path)
+        .and_then(|store| Ok(status_table(Status::of_import(&store, programs), None, &store, only)?));
+    status_code(told)
+}
+
+/// Opens a store that was imported.
+///
+/// # Errors
+/// There is none, or it was made here: then a configuration says what is stale.
+pub(super) fn open_import(path: &Path) -> Result<Store, StageError> {
+    let store = Store::open_made(path)?;
+    if is_imported(&store)? {
+        return Ok(store);
     }
+    let place = path.display();
+    Err(StageError::usage(format!(
+        "{place}: was made here, not imported: what of it is stale is told by --config FILE"
+    )))
 }
 
 /// Whether a store was imported from another layout.

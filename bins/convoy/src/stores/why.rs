@@ -8,17 +8,31 @@ use runner::{
 };
 use store::{Scope, Store};
 
-/// Prints the chain of a stage of a scene; the exit code is 0 where it is done.
+use super::status::open_import;
+
+/// Prints the chain of a stage of a scene; the exit code is 0 where it is done. Only stores of imports need
+/// no configuration.
 pub(crate) fn why(
-    config: &Path,
+    config: Option<&Path>,
     (store, wish): (&Path, EditionWish),
     asked: (&str, &str),
     programs: &Programs,
 ) -> u8 {
-    let Some(settings) = settings_or_faults(config, Suspicious::Unsaid) else { return EXIT_USAGE };
+    let settings = match config.map(|config| settings_or_faults(config, Suspicious::Unsaid)) {
+        Some(None) => return EXIT_USAGE,
+        Some(settings) => settings,
+        None => None,
+    };
     let told = || -> Result<bool, StageError> {
-        let store = Store::open(store)?;
-        let editions = Editions::of_store(&store, &settings, wish)?;
+        let (store, editions) = match &settings {
+            Some(settings) => {
+                let store = Store::open(store)?;
+                let editions = Editions::of_store(&store, settings, wish)?;
+                (store, Some(editions))
+            }
+            None => (open_import(store)?, None),
+        };
+        let editions = editions.as_ref();
         let (stage, scene) = (stage_of(asked.1)?, scene_of(&store, asked.0)?);
         let scope = match stage.unit {
             UnitKind::Plan => Scope::Plan,
@@ -28,8 +42,12 @@ pub(crate) fn why(
         if stage.unit == UnitKind::Scene {
             say(&format!("scene {scene:04}"));
         }
-        runner::why(&store, &editions, programs, (stage, scope))?.iter().for_each(|line| say(line));
-        Ok(Status::new(&store, &editions, programs).state(stage, scope)? == State::Done)
+        runner::why(&store, editions, programs, (stage, scope))?.iter().for_each(|line| say(line));
+        let status = match editions {
+            Some(editions) => Status::new(&store, editions, programs),
+            None => Status::of_import(&store, programs),
+        };
+        Ok(status.state(stage, scope)? == State::Done)
     };
     match told() {
         Ok(true) => EXIT_DONE,

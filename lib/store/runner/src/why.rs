@@ -19,17 +19,21 @@ use crate::views::{config_hash, shards_of};
 const MOST: usize = 20;
 
 /// Why a stage is done, stale, missing or failed for a scope, line by line: its state, what speaks against
-/// what was made, and set in below that the same of each stage that it reads.
+/// what was made, and set in below that the same of each stage that it reads. A store that was imported has
+/// no editions.
 ///
 /// # Errors
 /// The store cannot be read.
 pub fn why(
     store: &Store,
-    editions: &Editions,
+    editions: Option<&Editions>,
     programs: &Programs,
     (spec, scope): (&'static StageSpec, Scope),
 ) -> Result<Vec<String>, StateError> {
-    let status = Status::new(store, editions, programs);
+    let status = match editions {
+        Some(editions) => Status::new(store, editions, programs),
+        None => Status::of_import(store, programs),
+    };
     let mut chain =
         Chain { store, editions, programs, status, lines: Vec::new(), told: BTreeSet::new(), depth: 0 };
     chain.tell(spec, scope)?;
@@ -38,7 +42,7 @@ pub fn why(
 
 struct Chain<'a> {
     store: &'a Store,
-    editions: &'a Editions,
+    editions: Option<&'a Editions>,
     programs: &'a Programs,
     status: Status<'a>,
     lines: Vec<String>,
@@ -92,8 +96,10 @@ impl Chain<'_> {
         let again = if generation == 0 { String::new() } else { format!(", generation {generation}") };
         let count = if files == 1 { "1 file".to_owned() } else { format!("{files} files") };
         self.add(&format!("made by version {version}{again}: {count}, {}", DecimalBytes(bytes)));
-        if made.config_hash != config_hash(spec, self.editions, scope)? {
-            self.keys(spec.name, scope);
+        if let Some(editions) = self.editions
+            && made.config_hash != config_hash(spec, editions, scope)?
+        {
+            self.keys(editions, spec.name, scope);
         }
         match self.status.is_of_code(spec.name, made) {
             Ok(()) => {}
@@ -123,8 +129,8 @@ impl Chain<'_> {
     }
 
     /// The keys that the stage sees and that have other values than it was made with.
-    fn keys(&mut self, stage: &str, scope: Scope) {
-        let Some(changes) = self.editions.changes_of(scope) else {
+    fn keys(&mut self, editions: &Editions, stage: &str, scope: Scope) {
+        let Some(changes) = editions.changes_of(scope) else {
             self.add("which keys changed is not known: dataset.json does not say what they were");
             return;
         };
@@ -152,9 +158,9 @@ impl Chain<'_> {
                 }
                 continue;
             }
+            let Some(editions) = self.editions else { continue };
             let now = manifest_or_stale(self.store, scope, read.name)?.unwrap_or_default();
-            let part =
-                |now| Ok::<_, StateError>((shards_of(spec)?.part)(self.editions.of(scope), scope, now));
+            let part = |now| Ok::<_, StateError>((shards_of(spec)?.part)(editions.of(scope), scope, now));
             let is_other = |part: Part| then.is_none_or(|then| !part.is(then));
             if now.map(part).transpose()?.is_some_and(is_other) {
                 self.add(&format!("{} was made again since", read.name));

@@ -71,7 +71,7 @@ fn states(run: &Run<'_, MaskSettings>) -> [State; 3] {
 /// Why masks of a scene are what they are, with versions of now written as N.
 fn chain(run: &Run<'_, MaskSettings>, scope: Scope) -> String {
     let lines =
-        crate::why::why(&run.store, &run.editions, run.programs, (run.spec, scope)).expect("is known");
+        crate::why::why(&run.store, Some(&run.editions), run.programs, (run.spec, scope)).expect("is known");
     let mut stage = "";
     let mut told = String::new();
     for line in &lines {
