@@ -194,8 +194,8 @@ fn rig_rows(rig: &Rig) -> Vec<(String, String, String)> {
         let what = format!("{} rays, {range_m} m, {} by {} degrees", radar.rays, field[0], field[1]);
         (radar.name.clone(), hz(radar.every_n_frames), what)
     }));
-    rows.extend(rig.gnss.as_ref().map(|_| ("GNSS".into(), hz(1), String::new())));
-    rows.extend(rig.imu.as_ref().map(|_| ("IMU".into(), hz(1), String::new())));
+    rows.extend(rig.gnss.as_ref().map(|gnss| ("GNSS".into(), hz(gnss.every_n_frames), String::new())));
+    rows.extend(rig.imu.as_ref().map(|imu| ("IMU".into(), hz(imu.every_n_frames), String::new())));
     rows
 }
 

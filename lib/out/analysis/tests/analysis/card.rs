@@ -78,6 +78,23 @@ fn a_card_says_what_is_known_and_what_is_not() {
 }
 
 #[test]
+fn a_card_tells_how_often_each_sensor_is_read() {
+    let mut settings = settings(CardSettings::default());
+    let rig = &mut settings.rigs.vehicle;
+    rig.camera.every_n_frames = 2;
+    rig.lidars[0].every_n_frames = 4;
+    rig.radars[0].every_n_frames = 20;
+    rig.gnss.as_mut().expect("is carried").every_n_frames = 5;
+    rig.imu.as_mut().expect("is carried").every_n_frames = 8;
+    let card = dataset_card(&settings, &made_by(), &tables(2));
+    for part in
+        ["CAM_BACK_RIGHT | 10 |", "| LIDAR | 5 |", "| RAD_LEFT | 1 |", "| GNSS | 4 |", "| IMU | 2.5 |"]
+    {
+        assert!(card.contains(part), "{part:?} is not in:\n{card}");
+    }
+}
+
+#[test]
 fn a_card_has_the_words_of_its_configuration() {
     let words = CardSettings {
         description: "Rain at **night**.\n".into(),
