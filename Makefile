@@ -48,7 +48,7 @@ SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
 AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels docs help
+.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels gpus docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [REDO=1] [ACCEPT_CODE=1] [GROW=1] [STRICT=1]    (STORE: dataset for the demo, else the configuration's name)"
@@ -69,6 +69,7 @@ help:
 	@echo "make preview [STORE=dataset] [SCENE=0] [FRAME=40] [AGENT=vehicle_0] [OUT=preview.jpg] (a contact sheet)"
 	@echo "make viz [STORE=dataset] [SCENE=0] [FRAMES=0,10-20] [EVERY=n] [AGENT=rsu_*] [MODES='RGB-*,LIDAR3D*'] [COLOUR=height] [DEST=pictures]"
 	@echo "make film [STORE=dataset] [SCENE=0] [AGENT=vehicle_0] [EVERY=2] [OUT=film.png]     (and .mp4 with an ffmpeg)"
+	@echo "make gpus                           (which GPUs there are, and whether they could be used: docs/gpu.md)"
 	@echo "make test | lint | bench | docs     (for developers)"
 
 build:
@@ -216,6 +217,10 @@ test:
 		|| echo "note: skipped the check that stock readers open a store: it needs numpy and pyarrow for $(PYTHON)"
 	@test -d $(or $(CONVOY_TEST_MAPS),../shared/maps) \
 		|| echo "note: skipped the tests on real maps: there is no $(or $(CONVOY_TEST_MAPS),../shared/maps)"
+
+# Which GPUs there are, and whether each computes as the CPU does (docs/gpu.md).
+gpus:
+	$(CARGO) run --quiet --release --locked -p convoy-gpu --example adapters
 
 # The property tests with other random cases, again and again: make soak [ROUNDS=20] [CRATE=convoy-town].
 soak:

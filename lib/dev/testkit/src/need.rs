@@ -19,10 +19,12 @@ pub enum Need {
     Npm,
     /// Chromium and node, to look at the viewer's page; the word is `browser`.
     Browser,
+    /// A Vulkan adapter, if only one in software; the word is `vulkan`.
+    Vulkan,
 }
 
 impl Need {
-    const ALL: [Self; 5] = [Self::Maps, Self::Python, Self::Devkit, Self::Npm, Self::Browser];
+    const ALL: [Self; 6] = [Self::Maps, Self::Python, Self::Devkit, Self::Npm, Self::Browser, Self::Vulkan];
 
     fn word(self) -> &'static str {
         match self {
@@ -31,6 +33,7 @@ impl Need {
             Self::Devkit => "devkit",
             Self::Npm => "npm",
             Self::Browser => "browser",
+            Self::Vulkan => "vulkan",
         }
     }
 }
@@ -117,16 +120,20 @@ mod tests {
 
     #[test]
     fn what_is_named_is_required_and_nothing_else() {
-        let both = |list| Need::ALL.map(|need| is_required(need, list));
-        assert_eq!(both(""), [false; 5]);
-        assert_eq!(both("maps"), [true, false, false, false, false]);
-        assert_eq!(both(" python,"), [false, true, false, false, false]);
-        assert_eq!(both("devkit,python, maps"), [true, true, true, false, false]);
-        assert_eq!(both("browser,npm"), [false, false, false, true, true]);
+        let required = |list: &str| -> Vec<Need> {
+            Need::ALL.into_iter().filter(|need| is_required(*need, list)).collect()
+        };
+        assert_eq!(required(""), []);
+        assert_eq!(required("maps"), [Need::Maps]);
+        assert_eq!(required(" python,"), [Need::Python]);
+        assert_eq!(required("devkit,python, maps"), [Need::Maps, Need::Python, Need::Devkit]);
+        assert_eq!(required("browser,npm,vulkan"), [Need::Npm, Need::Browser, Need::Vulkan]);
     }
 
     #[test]
-    #[should_panic(expected = "CONVOY_REQUIRE=map: expected words out of maps, python, devkit, npm, browser")]
+    #[should_panic(
+        expected = "CONVOY_REQUIRE=map: expected words out of maps, python, devkit, npm, browser, vulkan"
+    )]
     fn a_misspelt_need_does_not_pass() {
         is_required(Need::Maps, "map");
     }

@@ -1,0 +1,175 @@
+//! A device in use.
+
+use std::sync::mpsc;
+use std::time::Duration;
+
+use wgpu::util::{BufferInitDescriptor, DeviceExt};
+
+use crate::adapter::Adapter;
+use crate::error::GpuError;
+use crate::shader::{EXACT, translate};
+use crate::unchecked;
+
+/// What has given no answer by then is taken for lost.
+const TIMEOUT: Duration = Duration::from_secs(30);
+
+/// A GPU in use, which computes as the CPU does: [`crate::open`] gives it.
+#[derive(Debug)]
+pub struct Gpu {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    driver: String,
+}
+
+/// A shader on a device: it reads one buffer and writes another.
+#[derive(Debug)]
+pub struct Kernel {
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+    workgroup_size: u32,
+}
+
+impl Gpu {
+    /// Opens an adapter's device, which may compute otherwise than the CPU.
+    ///
+    /// # Errors
+    /// It lacks a feature, or the driver gives no device.
+    pub(crate) fn untried(adapter: &Adapter) -> Result<Self, GpuError> {
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("convoy"),
+            required_features: adapter.features()?,
+            // The defaults are what browsers allow.
+            required_limits: adapter.inner.limits(),
+            ..wgpu::DeviceDescriptor::default()
+        };
+        let opened = pollster::block_on(adapter.inner.request_device(&descriptor));
+        let (device, queue) = opened.map_err(GpuError::Open)?;
+        Ok(Self { device, queue, driver: adapter.driver() })
+    }
+
+    /// Name and version of the driver.
+    #[must_use]
+    pub fn driver(&self) -> &str {
+        &self.driver
+    }
+
+    /// Compiles a shader that may call what [`EXACT`] has. Its entry point is `name`, of `workgroup_size`
+    /// invocations along x; binding 0 is read, binding 1 is written.
+    ///
+    /// # Errors
+    /// It is no WGSL, or the driver refuses it.
+    pub fn kernel(&self, name: &str, workgroup_size: u32, wgsl: &str) -> Result<Kernel, GpuError> {
+        let words = translate(&format!("{EXACT}\n{wgsl}"))?;
+        self.catching(|| {
+            let module = unchecked::shader_module(&self.device, name, &words);
+            let entry = |binding, read_only| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility: wgpu::ShaderStages::COMPUTE,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Storage { read_only },
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            };
+            let layout = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some(name),
+                entries: &[entry(0, true), entry(1, false)],
+            });
+            let of_pipeline = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(name),
+                bind_group_layouts: &[Some(&layout)],
+                immediate_size: 0,
+            });
+            let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(name),
+                layout: Some(&of_pipeline),
+                module: &module,
+                entry_point: Some(name),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            });
+            Kernel { pipeline, layout, workgroup_size }
+        })
+    }
+
+    /// Runs a kernel once for each of some invocations over a buffer of bytes (a multiple of four). Gives its
+    /// answers, 32-bit words.
+    ///
+    /// # Errors
+    /// The device failed, or has given no answer for 30 s.
+    pub fn run(
+        &self,
+        kernel: &Kernel,
+        input: &[u8],
+        invocations: u32,
+        answers: usize,
+    ) -> Result<Vec<u32>, GpuError> {
+        if answers == 0 || input.is_empty() {
+            return Ok(Vec::new());
+        }
+        let bytes = 4 * answers as u64;
+        let read_back = self.catching(|| {
+            let given = self.device.create_buffer_init(&BufferInitDescriptor {
+                label: Some("input"),
+                contents: input,
+                usage: wgpu::BufferUsages::STORAGE,
+            });
+            let buffer = |label, usage| {
+                self.device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some(label),
+                    size: bytes,
+                    usage,
+                    mapped_at_creation: false,
+                })
+            };
+            let written = buffer("answers", wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+            let read_back = buffer("read back", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+            let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: None,
+                layout: &kernel.layout,
+                entries: &[
+                    wgpu::BindGroupEntry { binding: 0, resource: given.as_entire_binding() },
+                    wgpu::BindGroupEntry { binding: 1, resource: written.as_entire_binding() },
+                ],
+            });
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&kernel.pipeline);
+            pass.set_bind_group(0, &group, &[]);
+            pass.dispatch_workgroups(invocations.div_ceil(kernel.workgroup_size), 1, 1);
+            drop(pass);
+            encoder.copy_buffer_to_buffer(&written, 0, &read_back, 0, bytes);
+            self.queue.submit([encoder.finish()]);
+            read_back
+        })?;
+        let (told, mapped) = mpsc::channel();
+        read_back.map_async(wgpu::MapMode::Read, .., move |outcome| {
+            // Whoever asked may have given up.
+            let _ = told.send(outcome);
+        });
+        let failed = |problem: String| GpuError::Device { problem };
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) };
+        self.device.poll(wait).map_err(|e| failed(e.to_string()))?;
+        let mapped = mapped.try_recv().map_err(|_| failed("no answer came".into()))?;
+        mapped.map_err(|e| failed(e.to_string()))?;
+        let view = read_back.get_mapped_range(..).map_err(|e| failed(e.to_string()))?;
+        Ok(view.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect())
+    }
+
+    /// Calls, and takes what the driver says meanwhile for an error.
+    fn catching<T>(&self, call: impl FnOnce() -> T) -> Result<T, GpuError> {
+        let scopes =
+            [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal]
+                .map(|filter| self.device.push_error_scope(filter));
+        let called = call();
+        let mut said = Vec::new();
+        for scope in scopes.into_iter().rev() {
+            said.extend(pollster::block_on(scope.pop()));
+        }
+        match said.first() {
+            None => Ok(called),
+            Some(error) => Err(GpuError::Device { problem: error.to_string() }),
+        }
+    }
+}
