@@ -24,7 +24,7 @@ fn main() -> ExitCode {
         checked.faults.push(fault);
     }
     for fault in &checked.faults {
-        eprintln!("{fault}");
+        eprintln!("error: {fault}");
     }
     println!("{} files of {} crates", checked.files, checked.crates);
     ExitCode::from(u8::from(!checked.faults.is_empty()))
@@ -45,6 +45,8 @@ fn check(workspace: &Path, checked: &mut Checked) -> Result<(), String> {
     let mut folders: Vec<PathBuf> =
         folders(&workspace.join("lib")).iter().flat_map(|room| self::folders(room)).collect();
     folders.extend(self::folders(&workspace.join("bins")));
+    // A crate that went leaves a folder behind where something that git ignores lay in it.
+    folders.retain(|folder| folder.join("Cargo.toml").is_file());
     let mut crates = Vec::new();
     for folder in folders {
         let name = folder.strip_prefix(workspace).unwrap_or(&folder).display().to_string();
