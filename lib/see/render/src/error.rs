@@ -14,6 +14,14 @@ pub enum RenderError {
         /// Meshes that were prepared.
         prepared: usize,
     },
+    /// A renderer did not answer each question once.
+    #[error("the renderer gave {answered} answers to {asked} questions")]
+    Unanswered {
+        /// Cameras or ray batches that were asked for.
+        asked: usize,
+        /// Those that were answered.
+        answered: usize,
+    },
     /// The device behind a renderer failed: it is lost, or its memory is full.
     #[error("the renderer's device failed")]
     Device(#[source] Box<dyn std::error::Error + Send + Sync>),

@@ -100,7 +100,7 @@ impl<'a> ViewQuery<'a> {
 /// What cameras see, in the order of the queries: all of them are asked at once.
 ///
 /// # Errors
-/// The renderer failed.
+/// The renderer failed, or left a query without an answer.
 pub fn render_views(
     scene: &dyn Scene,
     queries: &[ViewQuery<'_>],
@@ -113,8 +113,8 @@ pub fn render_views(
     let bent: Vec<Vec<Bundle<'_>>> =
         queries.iter().filter(|query| query.rays().is_some()).map(ViewQuery::bundles).collect();
     let rays: Vec<RayQuery<'_>> = bent.iter().flatten().map(Bundle::query).collect();
-    let mut straight = scene.render(&straight)?.into_iter();
-    let mut hits = if rays.is_empty() { Vec::new() } else { scene.trace(&rays)? }.into_iter();
+    let mut straight = all_of(straight.len(), scene.render(&straight)?)?;
+    let mut hits = all_of(rays.len(), if rays.is_empty() { Vec::new() } else { scene.trace(&rays)? })?;
     let mut bent = bent.iter();
     let seen = |query: &ViewQuery<'_>| match query.rays() {
         None => straight.next(),
@@ -126,6 +126,14 @@ pub fn render_views(
         }),
     };
     Ok(queries.iter().filter_map(seen).collect())
+}
+
+/// The answers, if each question has one.
+fn all_of<T>(asked: usize, answers: Vec<T>) -> Result<std::vec::IntoIter<T>, RenderError> {
+    match answers.len() {
+        answered if answered == asked => Ok(answers.into_iter()),
+        answered => Err(RenderError::Unanswered { asked, answered }),
+    }
 }
 
 impl Bundle<'_> {

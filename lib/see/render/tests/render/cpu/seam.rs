@@ -1,10 +1,12 @@
 //! Two renderers behind one seam: the processor's trees, tiles and packets against every triangle one by one.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Vec3};
 use render::cpu::CpuRenderer;
 use render::{
-    CameraQuery, Outputs, PinholeCamera, RayBatch, RayQuery, RenderError, Renderer, SKY, Scene, Stipple,
-    Surfaces,
+    CameraModel, CameraQuery, CameraView, Hits, Outputs, PinholeCamera, RayBatch, RayQuery, RenderError,
+    Renderer, SKY, Scene, Stipple, Surfaces, ViewQuery, VisibilityBuffer, render_views,
 };
 use schema::Tag;
 use schema::geometry::{Snapshot, Surface};
@@ -259,4 +261,38 @@ fn both_meet_what_stands_behind_panes_if_asked_to() {
         });
     }
     assert!(behind > 50 && before_it > 50, "{behind} {before_it}");
+}
+
+/// Answers all cameras but the last.
+struct Forgetful<'a>(&'a dyn Scene);
+
+impl Scene for Forgetful<'_> {
+    fn snapshot(&self) -> &Snapshot {
+        self.0.snapshot()
+    }
+
+    fn render(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
+        self.0.render(&queries[1..])
+    }
+
+    fn trace(&self, queries: &[RayQuery<'_>]) -> Result<Vec<Hits>, RenderError> {
+        self.0.trace(queries)
+    }
+}
+
+#[test]
+fn a_question_without_an_answer_is_an_error() {
+    let rig = settings::Rig::vehicle();
+    let view = CameraView {
+        local_from_optical: camera_at(Vec3::ZERO, Vec3::X, 8, 6, 1.0).local_from_optical,
+        previous_local_from_optical: Affine3A::IDENTITY,
+        model: Arc::new(CameraModel::new(&rig.cameras[0].optics).unwrap()),
+        settings: rig.camera,
+    };
+    let query = ViewQuery::of(&view);
+    with_both(&world(0), |cpu, _| {
+        assert_eq!(render_views(cpu, &[query, query]).unwrap().len(), 2);
+        let forgotten = render_views(&Forgetful(cpu), &[query, query]);
+        assert!(matches!(forgotten, Err(RenderError::Unanswered { asked: 2, answered: 1 })));
+    });
 }
