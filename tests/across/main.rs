@@ -15,6 +15,7 @@ mod groups;
 mod growth;
 mod hazards;
 mod help;
+mod lists;
 mod locks;
 mod maps;
 mod masks;

@@ -8,6 +8,7 @@ use convoy_tests::{Bench, Outcome, TINY, program, workspace};
 use frames::{Agent, Object, Pose, World};
 use nalgebra::Point3;
 use replay::Replay;
+use runner::{Graph, UnitKind};
 use scene::{SceneReader, agent_rows};
 use schema::tables::{CameraRow, SemanticLidarRow};
 use schema::{AgentId, Attribute, ObjectId};
@@ -57,8 +58,8 @@ fn models_of_a_pack_are_seen_by_all() {
     bench.run("spawn-planner", &["--maps", &maps]).expect_done();
     // From here on the store is complete by itself.
     std::fs::remove_dir_all(&pack).expect("removes it");
-    for stage in STAGES.into_iter().chain(["bev-gt", "occupancy-gt", "postprocess-valid", "merge-tracks"]) {
-        bench.run(stage, &[]).expect_done();
+    for stage in Graph::get().stages.iter().filter(|stage| stage.unit == UnitKind::Scene) {
+        bench.run(stage.name, &[]).expect_done();
     }
     // Boxes, points, pixels, masks and voxels say the same of each object, its model or not.
     let mut check = Command::new(program("check"));

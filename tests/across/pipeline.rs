@@ -3,9 +3,13 @@
 use std::time::{Duration, Instant};
 
 use convoy_tests::{Bench, TINY, check_in_python};
+use runner::{Graph, UnitKind};
 
-const SCENE_STAGES: [&str; 6] =
-    ["simulate-and-log", "render-sensors", "bev-gt", "occupancy-gt", "postprocess-valid", "merge-tracks"];
+/// The stages of scenes, in running order.
+fn scene_stages() -> Vec<&'static str> {
+    let of_scenes = Graph::get().stages.iter().filter(|stage| stage.unit == UnitKind::Scene);
+    of_scenes.map(|stage| stage.name).collect()
+}
 
 /// The state of every stage, as `convoy status` prints it: scene stages in order.
 fn states(bench: &Bench) -> Vec<String> {
@@ -16,7 +20,8 @@ fn states(bench: &Bench) -> Vec<String> {
 
 fn stale(bench: &Bench) -> Vec<&'static str> {
     let states = states(bench);
-    SCENE_STAGES.iter().zip(&states).filter(|(_, state)| *state != "done").map(|(stage, _)| *stage).collect()
+    let stages = scene_stages().into_iter().zip(&states);
+    stages.filter(|(_, state)| *state != "done").map(|(stage, _)| stage).collect()
 }
 
 /// Runs every stage with a number of threads.
@@ -49,7 +54,7 @@ fn one_dataset_however_it_is_made() {
 /// Starts each stage, kills it without warning after a while, and again a little later, until it ends by
 /// itself.
 fn run_killed(bench: &Bench) {
-    for stage in ["spawn-planner"].into_iter().chain(SCENE_STAGES).chain(["stats"]) {
+    for stage in ["spawn-planner"].into_iter().chain(scene_stages()).chain(["stats"]) {
         // The first kill comes before anything can be done.
         let mut patience = Duration::from_millis(2);
         let mut kills = 0;

@@ -8,14 +8,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use runner::{Graph, UnitKind};
+
 /// Clock ticks a second in `/proc` (fixed on Linux).
 const TICKS: f64 = 100.0;
 /// Frames of a scene of one second.
 const FRAMES: f64 = 20.0;
-
-/// The stages that look at scenes.
-const STAGES: [&str; 6] =
-    ["simulate-and-log", "render-sensors", "bev-gt", "occupancy-gt", "postprocess-valid", "merge-tracks"];
 
 /// A scene of a second by day or night.
 struct Kind {
@@ -121,7 +119,8 @@ fn main() {
         run(&convoy_tests::program("spawn-planner"), &arguments);
         let (mut wall_s, mut cpu_s) = (0.0, 0.0);
         let frames = f64::from(*agents) * FRAMES;
-        for stage in STAGES {
+        let of_scenes = Graph::get().stages.iter().filter(|stage| stage.unit == UnitKind::Scene);
+        for stage in of_scenes.map(|stage| stage.name) {
             let taken = run(&convoy_tests::program(stage), &arguments);
             let (wall, cpu) = (taken.wall_s / frames, taken.cpu_s / frames);
             println!("| {scene} | {stage} | {wall:.4} | {cpu:.4} | {:.0} |", taken.peak_mb);

@@ -461,7 +461,7 @@ export class App {
 function unmade(scene, missing) {
   const code = text => make('code', { textContent: text })
   if (!scene.info.imported) return note('', 'Not made yet: ', code(missing.join(', ')), '. ', code('make dataset'), ' makes what is missing.')
-  const { command } = remedy(scene, 'tracks')
+  const { command } = remedy(scene, 'tracks.parquet')
   const parts = command ? ['Tracks are not merged yet. Run ', code(command)] : ['The dataset that was imported is not post-processed: nobody counted what agents see of boxes, and there are no tracks. ']
   const rest = missing.filter(stage => !['postprocess-valid', 'merge-tracks'].includes(stage))
   if (rest.length) parts.push(' It has nothing of ', code(rest.join(', ')), '.')

@@ -5,7 +5,7 @@ use std::fs;
 
 use convoy_tests::{Bench, Outcome};
 
-use super::export;
+use super::{LAYOUTS, export};
 
 /// What was said, without times and where this test runs.
 fn said(bench: &Bench, text: &str) -> String {
@@ -29,7 +29,7 @@ fn summary(bench: &Bench, layout: &str, args: &[&str]) -> String {
 }
 
 pub(super) fn check(bench: &Bench) {
-    for layout in ["kitti", "mcap", "nuscenes", "opv2v", "simbev2x", "v2x-real"] {
+    for layout in LAYOUTS {
         insta::assert_snapshot!(format!("export-summary-{layout}"), summary(bench, layout, &[]));
     }
     insta::assert_snapshot!("export-summary-opv2v-lidar", summary(bench, "opv2v", &["--sensors", "LIDAR"]));

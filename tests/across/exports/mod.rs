@@ -12,7 +12,10 @@ mod simbev2x;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use convoy_tests::{Bench, Outcome, TINY, digests, program};
+use convoy_tests::{Bench, Outcome, TINY, digests, program, workspace};
+
+/// All layouts.
+const LAYOUTS: [&str; 6] = ["kitti", "mcap", "nuscenes", "opv2v", "v2x-real", "simbev2x"];
 
 /// All image kinds and every sensor at both kinds of agents; beams enough to thin them.
 fn store() -> Bench {
@@ -53,6 +56,21 @@ fn what_was_announced_is_done(outcome: &Outcome) {
     let mut lines = outcome.stdout.lines();
     let (announced, done) = (count(lines.next()), count(lines.next_back()));
     assert!(announced.is_some() && announced == done, "{}", outcome.stdout);
+}
+
+#[test]
+fn every_layout_is_listed() {
+    let help =
+        Outcome::of(&Command::new(program("export")).arg("--help").output().expect("the program starts"));
+    let commands = help.stdout.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let names = commands.map_while(|line| line.split_whitespace().next()).filter(|name| *name != "help");
+    assert_eq!(names.collect::<Vec<_>>(), LAYOUTS);
+    for file in ["docs/exports.md", "README.md", "Makefile", "tests/across/probes/mod.rs"] {
+        let text = std::fs::read_to_string(workspace().join(file)).expect("reads");
+        for layout in LAYOUTS {
+            assert!(text.contains(layout), "{file} does not name {layout}");
+        }
+    }
 }
 
 #[test]

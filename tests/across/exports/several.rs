@@ -8,9 +8,8 @@ use std::time::Duration;
 
 use convoy_tests::{Bench, TINY, check_in_python, digests};
 
-use super::{command, export};
+use super::{LAYOUTS, command, export};
 
-const LAYOUTS: [&str; 6] = ["kitti", "mcap", "nuscenes", "opv2v", "simbev2x", "v2x-real"];
 /// Makes an export of `simbev2x` the same wherever it stands.
 const PREFIX: [&str; 2] = ["--path-prefix", "/data/convoy"];
 
@@ -71,13 +70,14 @@ fn reads_back(bench: &Bench, layout: &str, dest: &Path) {
         "nuscenes" => ("exports/nuscenes.py", vec![&store, dest, Path::new("60")]),
         "mcap" => ("exports/mcap.py", vec![&store, dest]),
         "kitti" => ("exports/kitti.py", vec![&store, dest]),
-        _ => {
+        "simbev2x" => {
             let processed = made_in_place(bench, "processed", &[]);
             let raw = made_in_place(bench, "raw", &["--state", "raw"]);
             let packages = ["numpy", "pyarrow", "PIL"];
             check_in_python("exports/simbev2x.py", &packages, &[&store, &processed, &raw]);
             return;
         }
+        other => panic!("say how {other} is read back"),
     };
     check_in_python(script, &["numpy", "pyarrow", "PIL"], &args);
     if layout == "v2x-real" {

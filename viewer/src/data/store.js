@@ -3,15 +3,29 @@
 import { MissingFile } from './files.js'
 import { SceneTables } from './scene.js'
 
+/** Stages by what they write in a scene's folder; whatever else lies there is the simulation's. */
+const STAGES = {
+  sensors: 'render-sensors',
+  bev: 'bev-gt',
+  bev_paint: 'bev-gt',
+  bev_ids: 'bev-gt',
+  bev_heights: 'bev-gt',
+  occupancy: 'occupancy-gt',
+  occupancy_cells: 'occupancy-gt',
+  occupancy_ids: 'occupancy-gt',
+  occupancy_flow: 'occupancy-gt',
+  occupancy_filled: 'postprocess-valid',
+  occupancy_observed: 'postprocess-valid',
+  'boxes_valid.parquet': 'postprocess-valid',
+  'tracks.parquet': 'merge-tracks',
+  'tracks_frames.parquet': 'merge-tracks',
+  'tracks_agents.parquet': 'merge-tracks',
+  'tracks_windows.parquet': 'merge-tracks',
+}
+
 /** The stage that writes a file of a scene. */
 export function stageOf(path) {
-  const [first] = path.split('/')
-  if (first === 'sensors') return 'render-sensors'
-  if (first.startsWith('bev')) return 'bev-gt'
-  if (first === 'occupancy_filled' || first === 'occupancy_observed' || first === 'boxes_valid.parquet') return 'postprocess-valid'
-  if (first.startsWith('occupancy')) return 'occupancy-gt'
-  if (first.startsWith('tracks')) return 'merge-tracks'
-  return 'simulate-and-log'
+  return STAGES[path.split('/')[0]] ?? 'simulate-and-log'
 }
 
 /** What to do about a file of a scene that is not there: the stage that writes it, and how to run it; or why nothing can be done. */

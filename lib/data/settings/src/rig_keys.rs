@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use schema::tables::{GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE};
+use schema::tables::{BOXES_2D_TABLE, GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE};
 use schema::{AgentId, AgentKind, ImageKind};
 
 use crate::camera::{CameraSettings, CameraSpec};
@@ -93,7 +93,7 @@ fn carried_by(item: &Section<'_>, carriers: &mut BTreeSet<String>) -> (Vec<Strin
 
 fn carried(s: &Section<'_>, d: &Rig) -> Rig {
     // Taken on every rig, whatever is switched on: a flag must not turn a good name into a bad one.
-    let fixed = [GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE].map(str::to_owned);
+    let fixed = [GNSS_TABLE, IMU_TABLE, VISIBLE_TABLE, BOXES_2D_TABLE].map(str::to_owned);
     let lidars_tables = d.lidars.iter().flat_map(|l| [l.name.clone(), l.semantic().name]);
     let mut tables = TableNames::new(lidars_tables.chain(fixed));
     let shared = s.section("camera", "What all cameras share.");

@@ -188,18 +188,19 @@ fn unused(root: &Section<'_>, all: &DatasetSettings) {
 
 fn unused_in_rig(rig: &Section<'_>, has: &Rig, grid: &OccupancySettings) {
     let off = |table: &str| format!("`{}.enabled` is false", rig.path_of(table));
+    let Rig { camera: _, cameras, lidars: _, radars, gnss, imu } = has;
     let tables = [
         ("occupancy", grid.enabled),
-        ("camera", !has.cameras.is_empty()),
-        ("radar", !has.radars.is_empty()),
-        ("gnss", has.gnss.is_some()),
-        ("imu", has.imu.is_some()),
+        ("camera", !cameras.is_empty()),
+        ("radar", !radars.is_empty()),
+        ("gnss", gnss.is_some()),
+        ("imu", imu.is_some()),
     ];
     for (table, _) in tables.into_iter().filter(|(_, is_on)| !is_on) {
         say_unused(&rig.section(table, ""), &["enabled"], &off(table));
     }
     for (list, table, is_on) in
-        [("cameras", "camera", !has.cameras.is_empty()), ("radars", "radar", !has.radars.is_empty())]
+        [("cameras", "camera", !cameras.is_empty()), ("radars", "radar", !radars.is_empty())]
     {
         if !is_on && rig.sections(list, "", "").is_some_and(|items| !items.is_empty()) {
             rig.warn_at(list, format!("`{}` has no effect: {}", rig.path_of(list), off(table)));

@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use schema::{AgentKind, ImageKind, ImageSet, SensorKind};
 use settings::{
-    CameraSpec, DatasetSettings, GnssSpec, ImuSpec, Lens, Optics, Rig as RigSettings, SceneCount,
+    CameraSettings, CameraSpec, DatasetSettings, GnssSpec, ImuSpec, Lens, Optics, Rig as RigSettings,
+    SceneCount,
 };
 
 use crate::names::{GNSS, IMU, LIDAR, SEMANTIC_LIDAR, VOXELS, cameras, radars, sensor_of};
@@ -67,10 +68,15 @@ fn rig(published: RigSettings, rigs: &Rigs, kind: AgentKind, keys: &BTreeSet<&st
     let optics = Optics { width: pixels(cx), height: pixels(cy), fx, fy, cx, cy, lens: Lens::Pinhole };
     let camera =
         |name: &&str| CameraSpec { name: (*name).to_owned(), mount: own.mount(name), optics: optics.clone() };
-    let mut made = published.clone();
-    made.camera.images = images;
-    made.cameras = cameras(kind).iter().filter(|name| has_camera(name)).map(camera).collect();
-    made.lidars.clear();
+    // All fields are named: an import has no sensor that SimBEV2X has not.
+    let mut made = RigSettings {
+        camera: CameraSettings { images, ..published.camera },
+        cameras: cameras(kind).iter().filter(|name| has_camera(name)).map(camera).collect(),
+        lidars: Vec::new(),
+        radars: published.radars,
+        gnss: keys.contains(GNSS).then(GnssSpec::default),
+        imu: keys.contains(IMU).then(ImuSpec::default),
+    };
     for mut lidar in published.lidars.into_iter().take(1) {
         lidar.mount = own.mount(LIDAR);
         let semantic = lidar.semantic();
@@ -80,7 +86,5 @@ fn rig(published: RigSettings, rigs: &Rigs, kind: AgentKind, keys: &BTreeSet<&st
     made.radars
         .retain(|radar| keys.contains(radar.name.as_str()) && radars(kind).contains(&radar.name.as_str()));
     made.radars.iter_mut().for_each(|radar| radar.mount = own.mount(&radar.name));
-    made.gnss = keys.contains(GNSS).then(GnssSpec::default);
-    made.imu = keys.contains(IMU).then(ImuSpec::default);
     made
 }

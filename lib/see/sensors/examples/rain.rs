@@ -115,14 +115,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             mount: Mount::upright([0.6, 0.0, 1.6], 0.0),
             optics: common::optics(1600, 900),
         };
-        let rig = Rig {
-            camera,
-            cameras: vec![spec],
-            lidars: Vec::new(),
-            radars: Vec::new(),
-            gnss: None,
-            imu: None,
-        };
+        let rig = Rig { camera, cameras: vec![spec], lidars: Vec::new(), radars: Vec::new(), ..Rig::rsu() };
         let pose = Pose::<World, Agent>::from_xyz_rpy([0.0, -2.6, 0.0], [0.0, 0.0, deg(3.0)]);
         let still = Motion {
             world_from_agent: pose,

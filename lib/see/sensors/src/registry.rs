@@ -20,21 +20,23 @@ pub fn visit_sensors<V: SensorVisitor>(
     carrier: &SensorContext,
     visitor: &mut V,
 ) -> Result<(), V::Error> {
+    // A new field is read here, or it does not compile.
+    let Rig { camera: _, cameras: _, lidars, radars, gnss, imu } = rig;
     visit_images(rig, carrier, visitor)?;
-    for lidar in &rig.lidars {
+    for lidar in lidars {
         if lidar.semantic {
             visit_lidar::<SemanticLidarRow, V>(lidar, carrier, visitor)?;
         } else {
             visit_lidar::<LidarRow, V>(lidar, carrier, visitor)?;
         }
     }
-    for radar in &rig.radars {
+    for radar in radars {
         visitor.visit(Radar::new(radar, carrier))?;
     }
-    if let Some(gnss) = &rig.gnss {
+    if let Some(gnss) = gnss {
         visitor.visit(Gnss::new(gnss, carrier))?;
     }
-    if let Some(imu) = &rig.imu {
+    if let Some(imu) = imu {
         visitor.visit(Imu::new(imu, carrier))?;
     }
     if let Some(visible) = VisibleObjects::of(rig) {
@@ -83,6 +85,10 @@ mod tests {
     fn of_every_sensor_it_is_said_what_its_table_depends_on() {
         let mut rig = Rig::vehicle();
         rig.lidars.push(rig.lidars[0].semantic());
+        // Whatever is off by default is switched on.
+        let Rig { camera: _, cameras, lidars, radars, gnss, imu } = &rig;
+        assert!(!(cameras.is_empty() || lidars.is_empty() || radars.is_empty()));
+        assert!(gnss.is_some() && imu.is_some());
         for (images, boxes) in [(ImageSet::of(ImageKind::ALL), true), (ImageSet::NONE, true)] {
             (rig.camera.images, rig.camera.boxes_2d) = (images, boxes);
             let agent = AgentId::vehicle(0);

@@ -259,6 +259,14 @@ mod tests {
     use crate::graph::Graph;
     use crate::views::example_settings;
 
+    /// A stage that `sees` does not know is told every key.
+    #[test]
+    fn every_stage_is_told_its_own_keys() {
+        for spec in &Graph::get().stages {
+            assert!(!sees(spec.name, "no_key"), "name {}'s keys in `sees`", spec.name);
+        }
+    }
+
     /// A change that makes a stage stale is told.
     #[test]
     fn stages_are_told_the_keys_that_they_see() {

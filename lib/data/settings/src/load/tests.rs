@@ -122,6 +122,7 @@ fn a_sensor_must_not_take_anothers_table() {
         ("GNSS", "GNSS"),
         ("IMU", "IMU"),
         ("visible", "visible"),
+        ("boxes_2d", "boxes_2d"),
         ("RGB-CAM_FRONT", "RGB-CAM_FRONT"),
         ("flw-cam_back", "FLW-CAM_BACK"),
     ] {

@@ -64,10 +64,11 @@ impl SensorSettings {
     #[must_use]
     pub fn tables(&self, agent: AgentId) -> Vec<SensorTableSettings<'_>> {
         let rig = self.rigs.of(agent);
-        let lidars = rig.lidars.iter().map(|spec| (spec.name.clone(), SensorOf::Lidar(spec)));
-        let radars = rig.radars.iter().map(|spec| (spec.name.clone(), SensorOf::Radar(spec)));
-        let gnss = rig.gnss.iter().map(|spec| (GNSS_TABLE.to_owned(), SensorOf::Gnss(spec)));
-        let imu = rig.imu.iter().map(|spec| (IMU_TABLE.to_owned(), SensorOf::Imu(spec)));
+        let Rig { camera: _, cameras: _, lidars, radars, gnss, imu } = rig;
+        let lidars = lidars.iter().map(|spec| (spec.name.clone(), SensorOf::Lidar(spec)));
+        let radars = radars.iter().map(|spec| (spec.name.clone(), SensorOf::Radar(spec)));
+        let gnss = gnss.iter().map(|spec| (GNSS_TABLE.to_owned(), SensorOf::Gnss(spec)));
+        let imu = imu.iter().map(|spec| (IMU_TABLE.to_owned(), SensorOf::Imu(spec)));
         let all = of_cameras(rig).into_iter().chain(lidars).chain(radars).chain(gnss).chain(imu);
         all.map(|(name, sensor)| SensorTableSettings { name, seed: self.seed, sensor }).collect()
     }

@@ -47,7 +47,11 @@ pub(crate) fn of_scene(scene: &SceneSource, options: McapOptions) -> Result<Cost
                         add(sensor.bytes, &PICTURES);
                     }
                     SensorKind::Image(_) => {}
-                    _ => add(sensor.bytes, &CLOUDS),
+                    SensorKind::Lidar | SensorKind::SemanticLidar | SensorKind::Radar => {
+                        add(sensor.bytes, &CLOUDS);
+                    }
+                    // A few numbers a frame.
+                    SensorKind::Gnss | SensorKind::Imu => {}
                 }
             }
         }

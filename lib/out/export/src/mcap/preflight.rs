@@ -71,7 +71,7 @@ pub(crate) fn omissions(source: &Source, options: McapOptions) -> Result<Vec<Omi
                     SensorKind::Lidar | SensorKind::SemanticLidar => {
                         Some(Omission::new("cosines between lidar rays and surfaces", NO_MESSAGE))
                     }
-                    _ => None,
+                    SensorKind::Image(_) | SensorKind::Radar | SensorKind::Gnss | SensorKind::Imu => None,
                 });
             }
             found.push(Omission::new("boxes in pictures", "viewers draw the 3-D boxes into pictures"));

@@ -179,7 +179,7 @@ pub(crate) fn channel(sensor: &SensorEntry, is_top: bool) -> Option<(String, Mod
             let name = sensor.name.strip_prefix("RAD_").map(|place| format!("RADAR_{place}"));
             Some((name.unwrap_or_else(|| sensor.name.clone()), Modality::Radar))
         }
-        _ => None,
+        SensorKind::Image(_) | SensorKind::SemanticLidar | SensorKind::Gnss | SensorKind::Imu => None,
     }
 }
 

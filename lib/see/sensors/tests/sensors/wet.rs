@@ -215,14 +215,7 @@ fn drops_on_the_lens_change_colour_alone_and_only_when_it_rains() {
             mount: Mount::upright([0.6, 0.0, 1.6], 0.0),
             optics: optics(320, 180),
         };
-        let rig = Rig {
-            camera,
-            cameras: vec![spec],
-            lidars: Vec::new(),
-            radars: Vec::new(),
-            gnss: None,
-            imu: None,
-        };
+        let rig = Rig { camera, cameras: vec![spec], lidars: Vec::new(), radars: Vec::new(), ..Rig::rsu() };
         with_scene(&street(false), |scene| {
             let still = sensors::Motion {
                 world_from_agent: frames::Pose::from_xyz_rpy([0.0; 3], [0.0; 3]),

@@ -43,13 +43,14 @@ pub(crate) struct ReadingCost {
 
 /// What a reading of every sensor takes, cameras aside; receivers of a few numbers cost nothing to speak of.
 pub(crate) fn reading_costs(rig: &Rig) -> impl Iterator<Item = ReadingCost> {
+    let Rig { camera: _, cameras: _, lidars, radars, gnss: _, imu: _ } = rig;
     let of_rays = |output, rays: f64, bytes_ray, every_n_frames| ReadingCost {
         output,
         bytes: rays * bytes_ray,
         core_s: rays * 0.17e-6,
         every_n_frames,
     };
-    let lidars = rig.lidars.iter().map(move |lidar| {
+    let lidars = lidars.iter().map(move |lidar| {
         let (output, bytes_ray) =
             if lidar.semantic { ("semantic lidar sweeps", 8.0) } else { ("lidar sweeps", 9.2) };
         let cost = of_rays(output, lidar.scan.rays() as f64, bytes_ray, lidar.every_n_frames);
@@ -58,6 +59,5 @@ pub(crate) fn reading_costs(rig: &Rig) -> impl Iterator<Item = ReadingCost> {
     });
     let of_radar =
         move |radar: &RadarSpec| of_rays("radar readings", f64::from(radar.rays), 20.4, radar.every_n_frames);
-    let radars = rig.radars.iter().map(of_radar);
-    lidars.chain(radars)
+    lidars.chain(radars.iter().map(of_radar))
 }

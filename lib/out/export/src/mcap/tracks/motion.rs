@@ -151,7 +151,7 @@ impl ReadingTrack {
             SensorKind::Imu => {
                 Some(Self::Imu(topics.add(name, &facts)?, scene.readings(agent, sensor)?, frame_id))
             }
-            _ => None,
+            SensorKind::Image(_) | SensorKind::Lidar | SensorKind::SemanticLidar | SensorKind::Radar => None,
         })
     }
 }
