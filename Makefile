@@ -29,7 +29,8 @@ PREDICTIONS ?=
 SPLIT  ?=
 OUT    ?=
 BENCHMARK ?= python/baseline/benchmark.toml
-DEVICE ?= cpu
+DEVICE ?=
+TORCH  ?= cpu
 WORKERS ?=
 PYTHON ?= $(or $(CONVOY_PYTHON),python3)
 CARGO ?= cargo
@@ -37,6 +38,7 @@ TYPOS ?= typos
 BIN    = target/release
 MAPS_ARG    = $(if $(MAPS),--maps $(MAPS))
 THREADS_ARG = $(if $(JOBS),--threads $(JOBS))
+DEVICE_ARG  = $(if $(DEVICE),--device $(DEVICE))
 SCENES_ARG  = $(if $(SCENES),--scenes $(SCENES))
 FORCE_ARG   = $(if $(FORCE),--force)
 REDO_ARG    = $(if $(REDO),--redo) $(if $(ACCEPT_CODE),--accept-code)
@@ -51,7 +53,7 @@ COMMON      = --config $(CONFIG) --store $(STORE)
 .PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels gpus docs help
 
 help:
-	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [REDO=1] [ACCEPT_CODE=1] [GROW=1] [STRICT=1]    (STORE: dataset for the demo, else the configuration's name)"
+	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [DEVICE=cpu|gpu|NAME] [REDO=1] [ACCEPT_CODE=1] [GROW=1] [STRICT=1]    (STORE: dataset for the demo, else the configuration's name)"
 	@echo "make forecast                      (same arguments: scenes, frames, bytes and hours to expect)"
 	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
 	@echo "make status | stats | verify        (same CONFIG and STORE; status WHY='3 bev-gt': why a stage of a scene is so)"
@@ -59,7 +61,7 @@ help:
 	@echo "make export FORMAT=kitti|mcap|nuscenes|opv2v|v2x-real|simbev2x DEST=folder [STORE=dataset] [SCENES=] [SPLIT=] [ARGS=]    (docs/exports.md; ARGS=--dry-run first)"
 	@echo "make import SRC=folder [STORE=dataset] [SCENES=0,3-5] [ARGS=--dry-run]       (a dataset of SimBEV2X as a store: docs/import.md)"
 	@echo "make evaluate PREDICTIONS=file.parquet [MASKS=folder] [STORE=dataset] [SCENES=] [SPLIT=] [EVERY=10] [OUT=scores.parquet] (docs/evaluation.md)"
-	@echo "make benchmark [DEST=benchmark] [DEVICE=cpu|cuda] [JOBS=n]  (data, cooperative models, scores, docs/benchmark.md: docs/python.md)"
+	@echo "make benchmark [DEST=benchmark] [TORCH=cpu|cuda] [JOBS=n]  (data, cooperative models, scores, docs/benchmark.md: docs/python.md)"
 	@echo "make check-devkit [STORE=dataset] [SCENES=0,1] [DEST=pictures]    (nuscenes-devkit on an export of it)"
 	@echo "make view [STORE=dataset] [PORT=n]  (plays the scenes of a store in the browser)"
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
@@ -77,7 +79,7 @@ build:
 
 # Everything that is missing or stale, in order.
 dataset: build
-	$(BIN)/convoy run $(COMMON) $(MAPS_ARG) $(THREADS_ARG) $(SCENES_ARG) $(EDITION_ARG) $(REDO_ARG) $(FORCE_ARG) $(STRICT_ARG)
+	$(BIN)/convoy run $(COMMON) $(MAPS_ARG) $(DEVICE_ARG) $(THREADS_ARG) $(SCENES_ARG) $(EDITION_ARG) $(REDO_ARG) $(FORCE_ARG) $(STRICT_ARG)
 
 # What the plan would come to: scenes, agent-frames, bytes, hours. Writes nothing.
 forecast: build
@@ -86,7 +88,7 @@ forecast: build
 # One stage for some scenes.
 stage: build
 	@test -n "$(STAGE)" || { echo "say which: make stage STAGE=render-sensors [SCENES=1] [FORCE=1]"; exit 2; }
-	$(BIN)/$(STAGE) $(COMMON) $(MAPS_ARG) $(THREADS_ARG) $(SCENES_ARG) $(EDITION_ARG) $(FORCE_ARG) $(REDO_ARG)
+	$(BIN)/$(STAGE) $(COMMON) $(MAPS_ARG) $(DEVICE_ARG) $(THREADS_ARG) $(SCENES_ARG) $(EDITION_ARG) $(FORCE_ARG) $(REDO_ARG)
 
 stats: build
 	$(BIN)/stats $(COMMON) $(THREADS_ARG) $(FORCE_ARG)
@@ -120,7 +122,7 @@ evaluate: build
 benchmark: build
 	PYTHONPATH=python/src:python/baseline/src $(PYTHON) -m convoy_baseline.benchmark --plan $(BENCHMARK) \
 		--store $(if $(filter file,$(origin STORE)),benchmark-store,$(STORE)) --out $(or $(DEST),benchmark) --page $(or $(PAGE),docs/benchmark.md) \
-		--program $(BIN)/convoy --device $(DEVICE) $(THREADS_ARG) $(if $(WORKERS),--workers $(WORKERS))
+		--program $(BIN)/convoy --device $(TORCH) $(THREADS_ARG) $(if $(WORKERS),--workers $(WORKERS))
 
 # A finished store in a layout of other people's loaders: make export FORMAT=kitti DEST=folder [SCENES=0,3-5] [SPLIT=train] [ARGS=--dry-run]
 export: build
@@ -220,7 +222,7 @@ test:
 
 # Which GPUs there are, and whether each computes as the CPU does (docs/gpu.md).
 gpus:
-	$(CARGO) run --quiet --release --locked -p convoy-gpu --example adapters
+	$(CARGO) run --quiet --release --locked -p render-sensors -- --device list
 
 # The property tests with other random cases, again and again: make soak [ROUNDS=20] [CRATE=convoy-town].
 soak:
@@ -239,7 +241,7 @@ lint:
 # Seconds per agent-frame: each part beside its budget, then whole stages with writing and memory. bench-kernels: every crate's own
 # benchmarks.
 bench: build
-	$(CARGO) bench --locked -p convoy-tests --bench agent_frame --bench stages
+	CONVOY_DEVICE=$(or $(DEVICE),cpu) $(CARGO) bench --locked -p convoy-tests --bench agent_frame --bench stages
 
 bench-kernels:
 	$(CARGO) bench --locked -p convoy-opendrive -p convoy-world -p convoy-traffic -p convoy-render \

@@ -4,6 +4,7 @@ mod builds;
 mod check;
 mod crates;
 mod crosswalks;
+mod devices;
 mod docs;
 mod editions;
 mod evaluate;

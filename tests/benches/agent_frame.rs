@@ -6,6 +6,7 @@ mod features;
 mod materials;
 mod roads;
 
+use device::{Choice, Device, DeviceRenderer};
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -28,7 +29,6 @@ use plan::PlanMap;
 use random::Stream;
 use rayon::prelude::*;
 use render::CameraView;
-use render::cpu::CpuRenderer;
 use render::{CameraQuery, Renderer, Scene, VoxelRenderer};
 use runner::StageSettings;
 use schema::geometry::Snapshot;
@@ -165,7 +165,7 @@ struct Agentframe<'a> {
     actors: &'a [ActorRow],
     log: &'a SimulationLog,
     world: &'a SceneWorld,
-    renderer: CpuRenderer,
+    renderer: DeviceRenderer,
     pose: Pose<World, Agent>,
     own: u16,
 }
@@ -198,7 +198,9 @@ impl<'a> Agentframe<'a> {
             .id;
         let state = log.states.iter().find(|s| s.frame == FRAME && s.id == own).expect("has a state");
         let pose = Pose::from_xyz_wxyz(state.xyz_m, state.quaternion);
-        let mut renderer = CpuRenderer::default();
+        let name = std::env::var("CONVOY_DEVICE").unwrap_or_else(|_| "cpu".to_owned());
+        let device = Device::open(&Choice::from(&*name)).expect("is a device");
+        let mut renderer = device.renderer();
         renderer.prepare(&world.meshes()).expect("has no device");
         Self { settings, map, actors, log, world, renderer, pose, own }
     }

@@ -1,6 +1,7 @@
 //! Colour pictures of a built-in town, to look at:
 //! `cargo run -p convoy-tests --example streets -- FOLDER [WEATHER [TOWN [X Y]]]`.
 
+use device::{Choice, Device};
 use std::error::Error;
 use std::fs::File;
 use std::path::PathBuf;
@@ -8,7 +9,6 @@ use std::path::PathBuf;
 use frames::{Agent, Pose, World, deg};
 use land::tiles::{Surroundings, TileMaker};
 use opendrive::Map;
-use render::cpu::CpuRenderer;
 use render::{CameraQuery, Renderer};
 use schema::tables::{FrameRow, Weather};
 use sensors::Camera;
@@ -56,7 +56,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let Surroundings { actors, ground } =
         TileMaker::new(&map, &rules, catalogue::Catalogue::built_in()).around(&[centre], 300.0, 1)?;
     let world = SceneWorld::with_models(&actors, ground, &OwnModels::new(), Light::AmbientOcclusion)?;
-    let mut renderer = CpuRenderer::default();
+    let name = std::env::var("CONVOY_DEVICE").unwrap_or_default();
+    let mut renderer = Device::open(&Choice::from(&*name))?.renderer();
     renderer.prepare(&world.meshes())?;
     for (name, weather) in weathers() {
         if arguments.get(1).is_some_and(|wanted| wanted != "all" && wanted != name) {

@@ -7,11 +7,11 @@ mod recorder;
 
 use std::collections::BTreeSet;
 
+use device::{Choice, Device, Seen};
 use render::Renderer;
-use render::cpu::CpuRenderer;
 use replay::{Light, Replay};
 use runner::frames::{FrameGroup, Writer, in_turn};
-use runner::{At, Job, Place, Stage, StageError};
+use runner::{At, Job, Outlook, Place, Stage, StageError};
 use scene::SceneReader;
 use sensors::{Cameras, GeoOrigin, Radars, SensorContext, SharedBeams};
 use settings::stages::SensorSettings;
@@ -21,7 +21,14 @@ use crate::agent::{AgentRig, Renderers, StaticWorld};
 use crate::due::{AgentTables, has_colour};
 
 /// The stage.
-pub const STAGE: Stage<SensorSettings> = Stage::new(run);
+pub const STAGE: Stage<SensorSettings> = Stage { open: Some(open), ..Stage::new(run) };
+
+/// Opens the device that looks at all scenes.
+fn open(outlook: &Outlook<'_, SensorSettings>) -> Result<(), StageError> {
+    let choice: Choice = outlook.device.unwrap_or_default().into();
+    let open = || Device::open(&choice).map_err(|e| StageError::usage(e.to_string()));
+    outlook.prepared.get_or_make(open).map(drop)
+}
 
 fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     let (job, scene) = (&*job, job.scene());
@@ -42,7 +49,8 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     }
     let light = if due.iter().any(has_colour) { Light::AmbientOcclusion } else { Light::Any };
     let replay = Replay::in_light(&reader, light).at(|| job.place())?;
-    let mut renderer = CpuRenderer::default();
+    let device = job.prepared().get_or_make(|| Ok(Device::Cpu))?;
+    let mut renderer = device.renderer();
     renderer.prepare(&replay.meshes()).at(|| job.place())?;
     let standing = StaticWorld(&replay);
     let painter = CpuPainter::new(&renderer, &standing);
@@ -61,7 +69,11 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
         let seen = AgentRig { replay: &replay, eyes, position, cameras, beams, radars, channels };
         Ok(FrameGroup { due, seen, writer })
     });
-    in_turn(parts, frames, &progress, AgentRig::sense)
+    in_turn(parts, frames, &progress, AgentRig::sense)?;
+    if let Some(Seen { by_gpu, by_cpu }) = renderer.seen() {
+        tracing::info!("scene {scene:04}: {by_gpu} views seen by the GPU, {by_cpu} by the CPU");
+    }
+    Ok(())
 }
 
 /// Where the map's origin is on the globe, as far as its projection text says (`+lat_0`, `+lon_0`).

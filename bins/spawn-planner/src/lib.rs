@@ -46,6 +46,7 @@ pub const STAGE: Stage<PlanSettings> = Stage {
         Ok(forecast::lines(&outlook.editions.with_scenes(kinds(roster)), &planned, Machine::measured()))
     }),
     suspicions: Some(suspicions),
+    open: None,
 };
 /// Its name.
 const NAME: &str = Stage::<PlanSettings>::NAME;

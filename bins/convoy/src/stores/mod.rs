@@ -65,6 +65,10 @@ pub(crate) enum StoreCommand {
         /// mid-dataset.
         #[arg(long)]
         accept_code: bool,
+        /// What looks at scenes: cpu, gpu, auto (a GPU if a usable one is there), or a GPU by its number or a
+        /// part of its name; `render-sensors --device list` prints them. The output does not depend on it.
+        #[arg(long, value_name = "NAME")]
+        device: Option<String>,
         /// Worker threads.
         #[arg(long, value_name = "N")]
         threads: Option<usize>,
@@ -148,6 +152,7 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
             strict,
             force,
             accept_code,
+            device,
             threads,
             dry_run,
             progress,
@@ -156,6 +161,9 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
             common.extend(["--store".into(), store.display().to_string()]);
             if let Some(maps) = maps {
                 common.extend(["--maps".into(), maps.display().to_string()]);
+            }
+            if let Some(device) = device {
+                common.extend(["--device".into(), device]);
             }
             if let Some(threads) = threads {
                 common.extend(["--threads".into(), threads.to_string()]);

@@ -56,6 +56,11 @@ pub struct StageArgs {
     /// mid-dataset.
     #[arg(long, conflicts_with = "force")]
     accept_code: bool,
+    /// What looks at scenes: cpu, gpu, auto (a GPU if a usable one is there), or a GPU by its number or a
+    /// part of its name; `render-sensors --device list` prints them. The output does not depend on it.
+    #[arg(long, value_name = "NAME", env = "CONVOY_DEVICE", default_value = "auto", hide_env_values = true,
+          value_parser = device)]
+    device: String,
     /// Worker threads (default: all cores). The output does not depend on it.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -120,6 +125,7 @@ impl From<StageArgs> for StageOptions {
             redo_older,
             strict,
             accept_code,
+            device,
             threads,
             dry_run,
             progress,
@@ -138,10 +144,19 @@ impl From<StageArgs> for StageOptions {
             redo_older,
             strict,
             accept_code,
+            device: Some(device),
             threads,
             dry_run,
             progress,
         }
+    }
+}
+
+/// A device's name.
+fn device(text: &str) -> Result<String, String> {
+    match text {
+        "list" => Err("`render-sensors --device list` prints the devices".to_owned()),
+        name => Ok(name.to_owned()),
     }
 }
 

@@ -3,8 +3,6 @@
 use std::sync::mpsc;
 use std::time::Duration;
 
-use wgpu::util::{BufferInitDescriptor, DeviceExt};
-
 use crate::adapter::Adapter;
 use crate::error::GpuError;
 use crate::shader::{EXACT, translate};
@@ -12,21 +10,29 @@ use crate::unchecked;
 
 /// What has given no answer by then is taken for lost.
 const TIMEOUT: Duration = Duration::from_secs(30);
+/// Workgroups along a dimension that every device has.
+const MOST_WORKGROUPS: u32 = 65_535;
 
 /// A GPU in use, which computes as the CPU does: [`crate::open`] gives it.
 #[derive(Debug)]
 pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
+    name: String,
     driver: String,
 }
 
-/// A shader on a device: it reads one buffer and writes another.
+/// A shader on a device: it reads some buffers and writes one.
 #[derive(Debug)]
 pub struct Kernel {
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
-    workgroup_size: u32,
+}
+
+/// Bytes on a device.
+#[derive(Debug)]
+pub struct Resident {
+    buffer: wgpu::Buffer,
 }
 
 impl Gpu {
@@ -44,7 +50,13 @@ impl Gpu {
         };
         let opened = pollster::block_on(adapter.inner.request_device(&descriptor));
         let (device, queue) = opened.map_err(GpuError::Open)?;
-        Ok(Self { device, queue, driver: adapter.driver() })
+        Ok(Self { device, queue, name: adapter.name().to_owned(), driver: adapter.driver() })
+    }
+
+    /// The adapter's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// Name and version of the driver.
@@ -53,12 +65,41 @@ impl Gpu {
         &self.driver
     }
 
-    /// Compiles a shader that may call what [`EXACT`] has. Its entry point is `name`, of `workgroup_size`
-    /// invocations along x; binding 0 is read, binding 1 is written.
+    /// The most bytes that a kernel can read from or write to one buffer.
+    #[must_use]
+    pub fn largest_buffer(&self) -> u64 {
+        let limits = self.device.limits();
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+    }
+
+    /// Gives the device back: it fails from then on, as one that is lost.
+    pub fn destroy(&self) {
+        self.device.destroy();
+    }
+
+    /// Puts bytes on the device: a multiple of four, not none.
+    ///
+    /// # Errors
+    /// The device failed, or has no room.
+    pub fn upload(&self, bytes: &[u8]) -> Result<Resident, GpuError> {
+        self.catching(|| {
+            let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("upload"),
+                size: bytes.len() as u64,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            self.queue.write_buffer(&buffer, 0, bytes);
+            Resident { buffer }
+        })
+    }
+
+    /// Compiles a shader that may call what [`EXACT`] has. Its entry point is `name`. It reads so many
+    /// bindings, from 0 on, and writes the next one.
     ///
     /// # Errors
     /// It is no WGSL, or the driver refuses it.
-    pub fn kernel(&self, name: &str, workgroup_size: u32, wgsl: &str) -> Result<Kernel, GpuError> {
+    pub fn kernel(&self, name: &str, inputs: u32, wgsl: &str) -> Result<Kernel, GpuError> {
         let words = translate(&format!("{EXACT}\n{wgsl}"))?;
         self.catching(|| {
             let module = unchecked::shader_module(&self.device, name, &words);
@@ -74,7 +115,7 @@ impl Gpu {
             };
             let layout = self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                 label: Some(name),
-                entries: &[entry(0, true), entry(1, false)],
+                entries: &(0..=inputs).map(|binding| entry(binding, binding < inputs)).collect::<Vec<_>>(),
             });
             let of_pipeline = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some(name),
@@ -89,32 +130,26 @@ impl Gpu {
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
             });
-            Kernel { pipeline, layout, workgroup_size }
+            Kernel { pipeline, layout }
         })
     }
 
-    /// Runs a kernel once for each of some invocations over a buffer of bytes (a multiple of four). Gives its
-    /// answers, 32-bit words.
+    /// Runs a kernel over buffers, in so many workgroups, and gives its answers: 32-bit words.
     ///
     /// # Errors
     /// The device failed, or has given no answer for 30 s.
     pub fn run(
         &self,
         kernel: &Kernel,
-        input: &[u8],
-        invocations: u32,
+        inputs: &[&Resident],
+        workgroups: u32,
         answers: usize,
     ) -> Result<Vec<u32>, GpuError> {
-        if answers == 0 || input.is_empty() {
+        if answers == 0 || workgroups == 0 {
             return Ok(Vec::new());
         }
         let bytes = 4 * answers as u64;
-        let read_back = self.catching(|| {
-            let given = self.device.create_buffer_init(&BufferInitDescriptor {
-                label: Some("input"),
-                contents: input,
-                usage: wgpu::BufferUsages::STORAGE,
-            });
+        let (read_back, submission) = self.catching(|| {
             let buffer = |label, usage| {
                 self.device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some(label),
@@ -125,23 +160,28 @@ impl Gpu {
             };
             let written = buffer("answers", wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
             let read_back = buffer("read back", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+            let buffers = inputs.iter().map(|input| &input.buffer).chain([&written]);
+            let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
+                .zip(buffers)
+                .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                    binding,
+                    resource: buffer.as_entire_binding(),
+                })
+                .collect();
             let group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: None,
                 layout: &kernel.layout,
-                entries: &[
-                    wgpu::BindGroupEntry { binding: 0, resource: given.as_entire_binding() },
-                    wgpu::BindGroupEntry { binding: 1, resource: written.as_entire_binding() },
-                ],
+                entries: &entries,
             });
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&kernel.pipeline);
             pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(invocations.div_ceil(kernel.workgroup_size), 1, 1);
+            let columns = workgroups.min(MOST_WORKGROUPS);
+            pass.dispatch_workgroups(columns, workgroups.div_ceil(columns), 1);
             drop(pass);
             encoder.copy_buffer_to_buffer(&written, 0, &read_back, 0, bytes);
-            self.queue.submit([encoder.finish()]);
-            read_back
+            (read_back, self.queue.submit([encoder.finish()]))
         })?;
         let (told, mapped) = mpsc::channel();
         read_back.map_async(wgpu::MapMode::Read, .., move |outcome| {
@@ -149,9 +189,10 @@ impl Gpu {
             let _ = told.send(outcome);
         });
         let failed = |problem: String| GpuError::Device { problem };
-        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(TIMEOUT) };
+        let wait = wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(TIMEOUT) };
         self.device.poll(wait).map_err(|e| failed(e.to_string()))?;
-        let mapped = mapped.try_recv().map_err(|_| failed("no answer came".into()))?;
+        // Another thread that waits may be the one to tell.
+        let mapped = mapped.recv_timeout(TIMEOUT).map_err(|_| failed("no answer came".into()))?;
         mapped.map_err(|e| failed(e.to_string()))?;
         let view = read_back.get_mapped_range(..).map_err(|e| failed(e.to_string()))?;
         Ok(view.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect())

@@ -25,6 +25,16 @@ pub enum GpuError {
         /// What the driver said.
         problem: String,
     },
+    /// It did not see a scene as the CPU does.
+    #[error("driver {driver}: column {column}, row {row} of a test scene is not what the CPU sees")]
+    Unequal {
+        /// Version of the driver.
+        driver: String,
+        /// Column of the first pixel that differs.
+        column: usize,
+        /// Its row.
+        row: usize,
+    },
     /// It did not compute as the CPU does.
     #[error("driver {driver}: {operation} of {operands} gives {found:#010x}, not {expected:#010x}")]
     Inexact {

@@ -113,14 +113,18 @@ impl Case {
 /// # Errors
 /// The device failed.
 pub fn arithmetic(gpu: &Gpu, cases: &[Case]) -> Result<Vec<u32>, GpuError> {
-    let kernel = gpu.kernel("arithmetic", WORKGROUP, SHADER)?;
+    let kernel = gpu.kernel("arithmetic", 1, SHADER)?;
     let number = |operation| Operation::ALL.iter().position(|other| *other == operation).unwrap_or_default();
     let words = |case: &Case| {
         let [a, b, c] = case.bits;
         [number(case.operation) as u32, a, b, c]
     };
     let input: Vec<u8> = cases.iter().flat_map(words).flat_map(u32::to_le_bytes).collect();
-    gpu.run(&kernel, &input, cases.len() as u32, cases.len())
+    if input.is_empty() {
+        return Ok(Vec::new());
+    }
+    let workgroups = (cases.len() as u32).div_ceil(WORKGROUP);
+    gpu.run(&kernel, &[&gpu.upload(&input)?], workgroups, cases.len())
 }
 
 /// Opens an adapter's device and tries whether it computes as the CPU does.

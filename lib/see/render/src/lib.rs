@@ -42,6 +42,7 @@ mod flow;
 mod model;
 mod moment;
 pub mod panes;
+pub mod prepared;
 mod query;
 mod ray;
 mod scene;

@@ -45,7 +45,7 @@ pub use programs::{Programs, STAMP_LEN};
 pub use progress::Progress;
 pub use runner::{init_logging, run_stage, say};
 pub use seen::{IsRead, MadeFrom, StageSettings, ViewError};
-pub use stage::{Forecast, Job, Outlook, Sections, Stage, Suspicions};
+pub use stage::{Forecast, Job, Open, Outlook, Sections, Stage, Suspicions};
 pub use status::{NotReady, Staleness, State, StateError, Status, planned_scenes};
 pub use suspicions::{Suspicious, settings_or_faults};
 pub use views::config_hash;

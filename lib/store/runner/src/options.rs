@@ -29,6 +29,8 @@ pub struct StageOptions {
     pub strict: bool,
     /// Keep what an older version or program made, where nothing else changed.
     pub accept_code: bool,
+    /// What looks at scenes, as `--device` has it; none: what is best of what there is.
+    pub device: Option<String>,
     /// Worker threads; none: all cores.
     pub threads: Option<usize>,
     /// Only say what would be done.

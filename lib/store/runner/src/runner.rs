@@ -85,6 +85,7 @@ fn try_run<S: StageSettings>(
         redo_older,
         strict,
         accept_code,
+        device,
         threads,
         dry_run,
         progress,
@@ -116,6 +117,7 @@ fn try_run<S: StageSettings>(
         programs,
         store,
         maps: maps.clone(),
+        device: device.clone(),
         force: *force,
         redo: *redo,
         redo_older: *redo_older,
@@ -138,6 +140,9 @@ fn try_run<S: StageSettings>(
         return run.tell(&scopes, &foresight);
     }
     run.agree(&foresight)?;
+    if let Some(open) = run.stage.open {
+        open(&run.outlook())?;
+    }
     run.all(&scopes)
 }
 
@@ -167,6 +172,7 @@ struct Run<'a, S> {
     programs: &'a Programs,
     store: Store,
     maps: Option<PathBuf>,
+    device: Option<String>,
     force: bool,
     redo: bool,
     redo_older: bool,
@@ -181,6 +187,7 @@ impl<S: StageSettings> Run<'_, S> {
             settings: &self.of_dataset,
             editions: &self.editions,
             maps: self.maps.as_deref(),
+            device: self.device.as_deref(),
             store: &self.store,
             prepared: &self.prepared,
         }

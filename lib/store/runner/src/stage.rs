@@ -29,13 +29,23 @@ pub struct Stage<S> {
     pub forecast: Option<Forecast<S>>,
     /// What is suspicious in what the stage would make.
     pub suspicions: Option<Suspicions<S>>,
+    /// Opens what it works with (into [`Outlook::prepared`]) before anything is made: what is not there is
+    /// said at once, not scene by scene.
+    pub open: Option<Open<S>>,
 }
 
 impl<S: StageSettings> Stage<S> {
     /// A stage that reads nothing outside the store.
     #[must_use]
     pub const fn new(run: fn(&mut Job<'_, S>) -> Result<(), StageError>) -> Self {
-        Self { run, sources: |_, _| BTreeMap::new(), sections: None, forecast: None, suspicions: None }
+        Self {
+            run,
+            sources: |_, _| BTreeMap::new(),
+            sections: None,
+            forecast: None,
+            suspicions: None,
+            open: None,
+        }
     }
 
     /// Name in `pipeline.toml`.
@@ -50,6 +60,8 @@ pub struct Outlook<'a, S> {
     pub editions: &'a Editions,
     /// The folder with map files, if one was given.
     pub maps: Option<&'a Path>,
+    /// What is to look at scenes, as `--device` has it.
+    pub device: Option<&'a str>,
     /// The store, for reading.
     pub store: &'a Store,
     /// What the stage has worked out already.
@@ -64,6 +76,9 @@ pub type Forecast<S> = fn(&Outlook<'_, S>) -> Result<Vec<String>, StageError>;
 
 /// What is suspicious in what a stage would make.
 pub type Suspicions<S> = fn(&Outlook<'_, S>) -> Result<Vec<Suspicion>, StageError>;
+
+/// Opens what a stage works with.
+pub type Open<S> = fn(&Outlook<'_, S>) -> Result<(), StageError>;
 
 /// One piece of work: a scope of a stage.
 pub struct Job<'a, S> {

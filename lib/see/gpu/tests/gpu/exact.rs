@@ -1,26 +1,8 @@
 //! Arithmetic of every adapter that there is, over all digits.
 
 use gpu::{Case, Gpu, Operation, arithmetic};
-use testkit::{Need, skip};
 
-/// Calls with the device of every adapter that is usable, those in software too.
-fn with_each(each: impl Fn(&Gpu)) {
-    let mut missing =
-        "there is no Vulkan adapter (Debian's mesa-vulkan-drivers has one in software)".to_owned();
-    let mut tried = 0;
-    for adapter in gpu::adapters() {
-        match gpu::open(&adapter) {
-            Ok(gpu) => {
-                each(&gpu);
-                tried += 1;
-            }
-            Err(e) => missing = format!("{adapter} is not usable: {e}"),
-        }
-    }
-    if tried == 0 {
-        skip(Need::Vulkan, &missing);
-    }
-}
+use crate::common::with_each;
 
 #[track_caller]
 fn hold(gpu: &Gpu, cases: &[Case]) {
@@ -41,12 +23,12 @@ fn hold(gpu: &Gpu, cases: &[Case]) {
 
 #[test]
 fn reciprocals_and_roots_are_exact_over_all_digits() {
-    with_each(|gpu| {
+    with_each(gpu::open, |gpu| {
         for (operation, binades) in [(Operation::Reciprocal, 127..128u32), (Operation::SquareRoot, 127..129)]
         {
             for power in binades {
                 let case = |digits: u32| Case { operation, bits: [power << 23 | digits, 0, 0] };
-                hold(gpu, &(0..1 << 23).map(case).collect::<Vec<_>>());
+                hold(&gpu, &(0..1 << 23).map(case).collect::<Vec<_>>());
             }
         }
     });
@@ -56,7 +38,7 @@ fn reciprocals_and_roots_are_exact_over_all_digits() {
 fn quotients_are_exact_next_to_the_middle_between_two_floats() {
     // Numerators for which the quotient by b lies next to a middle between two floats: m b with an odd m of
     // 25 bits, rounded to 24, and its neighbours.
-    with_each(|gpu| {
+    with_each(gpu::open, |gpu| {
         let mut cases = Vec::new();
         let mut word = 1u32;
         for _ in 0..1 << 18 {
@@ -70,7 +52,7 @@ fn quotients_are_exact_next_to_the_middle_between_two_floats() {
                 cases.push(Case { operation: Operation::Quotient, bits: [a, (b as f32).to_bits(), 0] });
             }
         }
-        hold(gpu, &cases);
+        hold(&gpu, &cases);
     });
 }
 
@@ -102,7 +84,7 @@ fn sizes_and_signs_of_all_kinds_are_exact() {
         })
     });
     let cases: Vec<Case> = cases.into_iter().chain(sized).collect();
-    with_each(|gpu| hold(gpu, &cases));
+    with_each(gpu::open, |gpu| hold(&gpu, &cases));
 }
 
 #[test]

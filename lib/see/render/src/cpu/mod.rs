@@ -56,13 +56,10 @@
 //! # Ok::<(), render::RenderError>(())
 //! ```
 
-mod bvh;
-mod meshes;
-mod outline;
 mod packet;
-mod placed;
 mod raster;
 mod renderer;
 mod scene;
 
 pub use renderer::CpuRenderer;
+pub use scene::CpuScene;

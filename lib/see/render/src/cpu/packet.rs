@@ -7,10 +7,7 @@
 use crate::{RayBatch, SKY};
 use glam::{DVec3, Vec3};
 
-use crate::cpu::bvh::{Node, Stack};
-use crate::cpu::meshes::{BLOCK, MeshData};
-use crate::cpu::outline::{Outlines, inside, near_reciprocal};
-use crate::cpu::placed::Placed;
+use crate::prepared::{BLOCK, MeshData, Node, Outlines, Placed, Stack, inside, near_reciprocal};
 
 /// Boxes are entered when a lane misses them by less than this: relative rounding of the slab distances.
 const SLACK: f32 = 1.0 + 8.0 * f32::EPSILON;

@@ -10,11 +10,9 @@ use glam::Affine3A;
 use rayon::prelude::*;
 use schema::geometry::{Instance, Snapshot};
 
-use crate::cpu::bvh::{Bvh, QUICK, Stack};
-use crate::cpu::meshes::Meshes;
 use crate::cpu::packet::{Boxes, Fan, HitsMut, Packet, Slabs};
-use crate::cpu::placed::Placed;
-use crate::cpu::raster::{is_within, rasterize};
+use crate::cpu::raster::rasterize;
+use crate::prepared::{Bvh, Meshes, Placed, QUICK, Stack, TiledView, is_within};
 
 /// Rays a packet: two vector registers of eight.
 const LANES: usize = 16;
@@ -23,7 +21,7 @@ const RAYS_PER_TASK: usize = 1024;
 
 /// One frame's instances with a search tree over them.
 #[derive(Debug)]
-pub(crate) struct CpuScene<'a> {
+pub struct CpuScene<'a> {
     snapshot: &'a Snapshot,
     /// The instances, and after them objects behind panes.
     placed: Vec<Option<Placed<'a>>>,
@@ -78,11 +76,7 @@ impl Scene for CpuScene<'_> {
     }
 
     fn render(&self, queries: &[CameraQuery<'_>]) -> Result<Vec<VisibilityBuffer>, RenderError> {
-        let answer = |query: &CameraQuery<'_>| match query.among {
-            None => rasterize(self.instances(), query),
-            Some(some) => rasterize(self.numbered(some), query),
-        };
-        Ok(queries.par_iter().map(answer).collect())
+        Ok(queries.par_iter().map(|query| rasterize(&self.tiled(query), query.outputs)).collect())
     }
 
     fn trace(&self, queries: &[RayQuery<'_>]) -> Result<Vec<Hits>, RenderError> {
@@ -137,7 +131,7 @@ impl CpuScene<'_> {
                 let around = around(there, &pose);
                 // Of many that drive about a town few are within a lidar's reach.
                 if queries.clone().any(|query| reaches(&query.rays, &around)) {
-                    *there = Placed::new(there.mesh, &pose);
+                    *there = Placed::new((there.mesh_number, there.mesh), &pose);
                     boxes.push(around);
                     numbers.push(number);
                 }
@@ -203,6 +197,15 @@ impl<'a> CpuScene<'a> {
         Self { snapshot, placed, tree, cabins, split: OnceLock::new() }
     }
 
+    /// What a camera may see, tile by tile.
+    #[must_use]
+    pub fn tiled(&self, query: &CameraQuery<'_>) -> TiledView<'a> {
+        match query.among {
+            None => TiledView::new(self.instances(), &query.camera, query.panes),
+            Some(some) => TiledView::new(self.numbered(some), &query.camera, query.panes),
+        }
+    }
+
     /// The instances with their numbers, without objects behind panes.
     fn instances<'s>(&'s self) -> impl Iterator<Item = (u32, &'s Option<Placed<'a>>)> {
         (0..).zip(&self.placed[..self.snapshot.instances.len()])
@@ -242,7 +245,7 @@ impl<'a> CpuScene<'a> {
 fn place<'a>(meshes: &'a Meshes, instance: &Instance) -> Option<Placed<'a>> {
     let mesh = meshes.get(instance.mesh)?;
     let pose = &instance.local_from_object;
-    (!mesh.bvh.nodes.is_empty() && pose.is_finite()).then(|| Placed::new(mesh, pose))
+    (!mesh.bvh.nodes.is_empty() && pose.is_finite()).then(|| Placed::new((instance.mesh, mesh), pose))
 }
 
 impl Placement<'_, '_> {

@@ -50,6 +50,7 @@ fn run_of<'a>(
         programs: &COMMITTED,
         store: store.clone(),
         maps: None,
+        device: None,
         redo: false,
         redo_older: false,
         force: false,

@@ -8,42 +8,35 @@
 //! needed.
 
 mod tile;
-mod view;
 
-use crate::{CameraQuery, Outputs, PinholeCamera, VisibilityBuffer};
+use crate::{Outputs, PinholeCamera, VisibilityBuffer};
 use rayon::prelude::*;
 
-use crate::cpu::placed::Placed;
+use crate::prepared::{TILE_HEIGHT, TILE_WIDTH, TiledView};
 use tile::Tile;
-pub(crate) use view::is_within;
-use view::{TILE_HEIGHT, TILE_WIDTH, View};
 
-/// Answers a query about instances, given with their numbers, in parallel.
-pub(crate) fn rasterize<'p, 'a: 'p>(
-    placed: impl Iterator<Item = (u32, &'p Option<Placed<'a>>)>,
-    query: &CameraQuery<'_>,
-) -> VisibilityBuffer {
-    let camera = &query.camera;
-    let mut buffer = match query.outputs {
+/// Draws a view in parallel.
+pub(crate) fn rasterize(view: &TiledView<'_>, outputs: Outputs) -> VisibilityBuffer {
+    let camera = &view.camera;
+    let mut buffer = match outputs {
         Outputs::Surfaces => VisibilityBuffer::empty(camera),
         Outputs::Depths => VisibilityBuffer::empty_depths(camera),
     };
     let Some(band) = band(camera) else { return buffer };
-    let view = View::new(placed, camera, query.panes);
     let depths = buffer.depth_m.par_chunks_mut(band).enumerate();
-    match query.outputs {
+    match outputs {
         Outputs::Surfaces => {
             let instances = buffer.instance.par_chunks_mut(band);
             let numbers = instances.zip(buffer.triangle.par_chunks_mut(band));
             depths.zip(numbers).for_each(|((row, depth_m), (instance, triangle))| {
-                for (column, tile) in tiles::<true>(&view, row) {
+                for (column, tile) in tiles::<true>(view, row) {
                     tile.copy_depths(camera, column, depth_m);
                     tile.copy_numbers(camera, column, [instance, triangle]);
                 }
             });
         }
         Outputs::Depths => depths.for_each(|(row, depth_m)| {
-            for (column, tile) in tiles::<false>(&view, row) {
+            for (column, tile) in tiles::<false>(view, row) {
                 tile.copy_depths(camera, column, depth_m);
             }
         }),
@@ -57,7 +50,7 @@ fn band(camera: &PinholeCamera) -> Option<usize> {
 }
 
 /// Draws a row of tiles: those that anything may be in, with their first columns.
-fn tiles<const NUMBERED: bool>(view: &View<'_>, row: usize) -> Vec<(usize, Tile<NUMBERED>)> {
+fn tiles<const NUMBERED: bool>(view: &TiledView<'_>, row: usize) -> Vec<(usize, Tile<NUMBERED>)> {
     let columns = (view.camera.width as usize).div_ceil(TILE_WIDTH);
     let tile = |column: usize| Some((column * TILE_WIDTH, Tile::draw(view, column, row)?));
     (0..columns).into_par_iter().filter_map(tile).collect()

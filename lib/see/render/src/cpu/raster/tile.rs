@@ -3,13 +3,13 @@
 
 use std::ops::Range;
 
-use crate::{PinholeCamera, SKY, Stipple};
+use crate::{Outputs, PinholeCamera, SKY, Stipple};
 use glam::{DVec3, Vec3};
 
-use super::view::{TILE_HEIGHT, TILE_WIDTH, View, ViewedInstance};
-use crate::cpu::bvh::{Node, Stack};
-use crate::cpu::meshes::BLOCK;
-use crate::cpu::outline::{Outlines, Vectors, inside, reciprocal, reciprocal_f64};
+use crate::prepared::{
+    BLOCK, Node, Outlines, Stack, TILE_HEIGHT, TILE_WIDTH, TiledView, Vectors, ViewedInstance, inside,
+    reciprocal, reciprocal_f64,
+};
 
 /// Pixels drawn at once.
 const LANES: usize = 8;
@@ -30,6 +30,8 @@ pub(super) struct Tile<const NUMBERED: bool> {
     inverse_depth: Vec<f32>,
     instance: Vec<u32>,
     triangle: Vec<u32>,
+    /// Inverse depth where nothing is seen.
+    sky: f32,
     /// No pixel is farther (planar depth, metres).
     farthest_m: f32,
     /// Pixels drawn over since `farthest_m` was looked up.
@@ -155,11 +157,10 @@ struct Covering {
 
 impl<const NUMBERED: bool> Tile<NUMBERED> {
     /// Draws one tile; `None` when nothing can be in it.
-    pub(super) fn draw(view: &View<'_>, column: usize, row: usize) -> Option<Self> {
+    pub(super) fn draw(view: &TiledView<'_>, column: usize, row: usize) -> Option<Self> {
         view.tile(column, row).next()?;
-        let camera = &view.camera;
-        let mut tile = Self::empty(camera, column, row);
-        let lens = Lens::new(camera, column, row);
+        let mut tile = Self::empty(view, column, row);
+        let lens = Lens::new(view, column, row);
         for seen in view.tile(column, row) {
             tile.refresh(1);
             if seen.nearest_m > tile.farthest_m * DEPTH_SLACK {
@@ -170,9 +171,10 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
         Some(tile)
     }
 
-    fn empty(camera: &PinholeCamera, column: usize, row: usize) -> Self {
-        let pixels = TILE_WIDTH * TILE_HEIGHT;
-        let mut inverse_depth = vec![Self::sky(camera); pixels];
+    fn empty(view: &TiledView<'_>, column: usize, row: usize) -> Self {
+        let (camera, pixels) = (&view.camera, TILE_WIDTH * TILE_HEIGHT);
+        let sky = view.sky(if NUMBERED { Outputs::Surfaces } else { Outputs::Depths });
+        let mut inverse_depth = vec![sky; pixels];
         // Pixels beyond the picture count as drawn.
         let columns = (camera.width as usize - column * TILE_WIDTH).min(TILE_WIDTH);
         let rows = (camera.height as usize - row * TILE_HEIGHT).min(TILE_HEIGHT);
@@ -184,22 +186,16 @@ impl<const NUMBERED: bool> Tile<NUMBERED> {
             inverse_depth,
             instance: numbers.clone(),
             triangle: numbers,
+            sky,
             farthest_m: camera.far_m,
             stale: 0,
         }
     }
 
-    /// Inverse depth where nothing is seen. What is exactly at the far end is nearer: by its numbers, or by a
-    /// hair.
-    fn sky(camera: &PinholeCamera) -> f32 {
-        let farthest = reciprocal(camera.far_m);
-        if NUMBERED { farthest } else { farthest.next_down() }
-    }
-
     /// Copies the tile's depths into a band of the picture that starts at the tile's first row, row after
     /// row.
     pub(super) fn copy_depths(&self, camera: &PinholeCamera, column: usize, depth_m: &mut [f32]) {
-        let sky = Self::sky(camera);
+        let sky = self.sky;
         for (row, to) in self.rows(camera.width as usize, column, depth_m) {
             // All of a tile's row, whatever of it is in the picture: the compiler turns that into vector
             // instructions.
@@ -451,13 +447,10 @@ fn vector([[x], [y], [z]]: Vectors<1>) -> DVec3 {
 }
 
 impl Lens {
-    fn new(camera: &PinholeCamera, column: usize, row: usize) -> Self {
-        let first = [
-            (column * TILE_WIDTH) as f64 + 0.5 - f64::from(camera.cx),
-            (row * TILE_HEIGHT) as f64 + 0.5 - f64::from(camera.cy),
-        ];
+    fn new(view: &TiledView<'_>, column: usize, row: usize) -> Self {
+        let (camera, first) = (&view.camera, view.first(column, row));
         Self {
-            step: [1.0 / f64::from(camera.fx), 1.0 / f64::from(camera.fy)],
+            step: view.step(),
             first,
             focal: [camera.fx, camera.fy],
             axis: first.map(|f| -f as f32),

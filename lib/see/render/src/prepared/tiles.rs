@@ -1,38 +1,48 @@
 //! The instances as one camera sees them, sorted into tiles.
 
-use crate::{PinholeCamera, Stipple};
+use crate::{Outputs, PinholeCamera, Stipple};
 use glam::{DVec3, Mat3, Vec3};
 
-use crate::cpu::meshes::MeshData;
-use crate::cpu::placed::Placed;
+use crate::prepared::meshes::MeshData;
+use crate::prepared::outline::reciprocal;
+use crate::prepared::placed::Placed;
 
 /// Columns of a tile; a multiple of the pixels that are drawn at once.
-pub(super) const TILE_WIDTH: usize = 64;
-/// Rows of a tile.
-pub(super) const TILE_HEIGHT: usize = 32;
+pub const TILE_WIDTH: usize = 64;
+/// Rows of a tile. Which pixels a triangle covers is worked out from a tile's first pixel, so all renderers
+/// keep this grid.
+pub const TILE_HEIGHT: usize = 32;
 /// Pixels by which projected boxes grow: far more than rounding, far less than a tile.
 const MARGIN_PX: f32 = 1.0;
 
 /// An instance in front of the camera.
-pub(super) struct ViewedInstance<'a> {
-    pub(super) number: u32,
-    pub(super) mesh: &'a MeshData,
+#[derive(Clone, Debug)]
+pub struct ViewedInstance<'a> {
+    /// Its number in the snapshot.
+    pub number: u32,
+    /// Number of its mesh.
+    pub mesh_number: u32,
+    /// Its mesh.
+    pub mesh: &'a MeshData,
     /// As [`MeshData::panes`] has them, where these are stippled.
-    pub(super) panes: &'a [u8],
+    pub panes: &'a [u8],
     /// Where those are opaque.
-    pub(super) stipple: Stipple,
+    pub stipple: Stipple,
     /// Rows of the rotation from the object to the optical frame.
-    pub(super) rows: [Vec3; 3],
-    pub(super) translation: Vec3,
-    /// No point of it is nearer.
-    pub(super) nearest_m: f32,
+    pub rows: [Vec3; 3],
+    /// The object's origin in the optical frame, metres.
+    pub translation: Vec3,
+    /// No point of it is nearer: planar depth, metres.
+    pub nearest_m: f32,
 }
 
 /// A camera and what is in front of it.
-pub(super) struct View<'a> {
-    pub(super) camera: PinholeCamera,
+#[derive(Clone, Debug)]
+pub struct TiledView<'a> {
+    /// The camera.
+    pub camera: PinholeCamera,
     /// Nearest first.
-    pub(super) seen: Vec<ViewedInstance<'a>>,
+    pub seen: Vec<ViewedInstance<'a>>,
     /// Indices into `seen` of all tiles, one tile after the other, nearest first within each.
     entries: Vec<u32>,
     /// Where a tile's entries start; one more than there are tiles.
@@ -43,8 +53,9 @@ pub(super) struct View<'a> {
 /// First and last tile, column and row.
 type TileRange = [usize; 4];
 
-impl<'a> View<'a> {
-    pub(super) fn new<'p>(
+impl<'a> TiledView<'a> {
+    /// Sorts instances, given with their numbers.
+    pub(crate) fn new<'p>(
         placed: impl Iterator<Item = (u32, &'p Option<Placed<'a>>)>,
         camera: &PinholeCamera,
         panes: Stipple,
@@ -90,12 +101,48 @@ impl<'a> View<'a> {
         Self { camera: *camera, seen, entries, starts, columns }
     }
 
-    /// The instances that may be seen in a tile, nearest first.
-    pub(super) fn tile(&self, column: usize, row: usize) -> impl Iterator<Item = &ViewedInstance<'a>> {
+    /// The change of a pixel's direction per column and per row: directions are 1 long along the axis.
+    #[must_use]
+    pub fn step(&self) -> [f64; 2] {
+        [1.0 / f64::from(self.camera.fx), 1.0 / f64::from(self.camera.fy)]
+    }
+
+    /// Pixels from the optical axis to the centre of a tile's first pixel.
+    #[must_use]
+    pub fn first(&self, column: usize, row: usize) -> [f64; 2] {
+        [
+            (column * TILE_WIDTH) as f64 + 0.5 - f64::from(self.camera.cx),
+            (row * TILE_HEIGHT) as f64 + 0.5 - f64::from(self.camera.cy),
+        ]
+    }
+
+    /// Inverse depth where nothing is seen. What is exactly at the far end is nearer: by its numbers, or by a
+    /// hair where depths alone are wanted.
+    #[must_use]
+    pub fn sky(&self, outputs: Outputs) -> f32 {
+        let farthest = reciprocal(self.camera.far_m);
+        match outputs {
+            Outputs::Surfaces => farthest,
+            Outputs::Depths => farthest.next_down(),
+        }
+    }
+
+    /// Columns and rows of tiles.
+    #[must_use]
+    pub fn size(&self) -> [usize; 2] {
+        [self.columns, (self.camera.height as usize).div_ceil(TILE_HEIGHT)]
+    }
+
+    /// The instances that may be seen in a tile, nearest first: places in [`seen`](Self::seen).
+    #[must_use]
+    pub fn entries(&self, column: usize, row: usize) -> &[u32] {
         let tile = row * self.columns + column;
-        self.entries[self.starts[tile] as usize..self.starts[tile + 1] as usize]
-            .iter()
-            .map(|&index| &self.seen[index as usize])
+        &self.entries[self.starts[tile] as usize..self.starts[tile + 1] as usize]
+    }
+
+    /// The instances that may be seen in a tile, nearest first.
+    pub fn tile(&self, column: usize, row: usize) -> impl Iterator<Item = &ViewedInstance<'a>> {
+        self.entries(column, row).iter().map(|&index| &self.seen[index as usize])
     }
 }
 
@@ -167,6 +214,9 @@ fn in_view<'a>(
     placed: &Placed<'a>,
     camera: &PinholeCamera,
 ) -> Option<(ViewedInstance<'a>, TileRange)> {
+    if camera.width == 0 || camera.height == 0 {
+        return None;
+    }
     let Framed { rotation, translation, nearest_m, low, high, .. } = Framed::new(placed, camera)?;
     let (width, height) = (camera.width as f32, camera.height as f32);
     if low[0] - MARGIN_PX > width
@@ -186,6 +236,7 @@ fn in_view<'a>(
     let rows = rotation.transpose();
     let seen = ViewedInstance {
         number,
+        mesh_number: placed.mesh_number,
         mesh: placed.mesh,
         panes: &[],
         stipple: Stipple::OPAQUE,

@@ -6,26 +6,26 @@ use frames::Aabb;
 use rayon::prelude::*;
 use schema::geometry::TriMesh;
 
-use crate::cpu::bvh::{Bvh, THOROUGH};
+use crate::prepared::bvh::{Bvh, THOROUGH};
 
 /// Triangles a block.
-pub(crate) const BLOCK: usize = 8;
+pub const BLOCK: usize = 8;
 
 /// Corners of eight triangles, `[corner][axis][lane]`, so that a vector register holds one coordinate of all.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Block(pub(crate) [[[f32; BLOCK]; 3]; 3]);
+pub struct Block(pub [[[f32; BLOCK]; 3]; 3]);
 
 /// One mesh, ready to be looked at.
 #[derive(Debug)]
-pub(crate) struct MeshData {
+pub struct MeshData {
     /// Tree over the triangles of non-zero area; [`Bvh::order`] maps slots of `blocks` to triangles.
-    pub(crate) bvh: Bvh,
+    pub bvh: Bvh,
     /// Corners in the tree's order, slot `i` in lane `i % BLOCK` of block `i / BLOCK`.
-    pub(crate) blocks: Vec<Block>,
+    pub blocks: Vec<Block>,
     /// Around those triangles.
-    pub(crate) aabb: Aabb,
+    pub aabb: Aabb,
     /// Which slots are panes, a bit for each lane of each block; empty where the mesh has none.
-    pub(crate) panes: Vec<u8>,
+    pub panes: Vec<u8>,
 }
 
 impl MeshData {
@@ -69,7 +69,7 @@ impl MeshData {
 
 /// The meshes of a scene with their search trees.
 #[derive(Debug, Default)]
-pub(crate) struct Meshes {
+pub struct Meshes {
     data: Vec<MeshData>,
 }
 
@@ -80,8 +80,20 @@ impl Meshes {
     }
 
     /// How many meshes there are.
-    pub(crate) fn len(&self) -> usize {
+    #[must_use]
+    pub fn len(&self) -> usize {
         self.data.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.data.is_empty()
+    }
+
+    /// All of them, by their numbers.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &MeshData> {
+        self.data.iter()
     }
 
     pub(crate) fn get(&self, mesh: u32) -> Option<&MeshData> {

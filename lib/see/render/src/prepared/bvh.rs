@@ -9,26 +9,26 @@ use obvhs::{BvhBuildParams, ploc::PlocSearchDistance};
 
 /// One box of the tree and the primitives below it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Node {
+pub struct Node {
     /// Lower corner.
-    pub(crate) min: Vec3,
+    pub min: Vec3,
     /// Upper corner.
-    pub(crate) max: Vec3,
+    pub max: Vec3,
     /// First primitive below, as an index into [`Bvh::order`].
-    pub(crate) first: u32,
+    pub first: u32,
     /// How many primitives are below.
-    pub(crate) count: u32,
+    pub count: u32,
     /// Index of the left child, the right one follows it; 0 marks a leaf (the root is nobody's child).
-    pub(crate) child: u32,
+    pub child: u32,
 }
 
 /// A tree over boxes.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Bvh {
+pub struct Bvh {
     /// Root first; empty when there are no primitives.
-    pub(crate) nodes: Vec<Node>,
+    pub nodes: Vec<Node>,
     /// Primitive numbers, depth first.
-    pub(crate) order: Vec<u32>,
+    pub order: Vec<u32>,
 }
 
 /// For trees that live as long as a scene.

@@ -97,9 +97,12 @@ pub(crate) fn near_reciprocal(x: f32) -> f32 {
     y
 }
 
-/// The same rounded to the nearest, as a division is, but for a dozen numbers in eight million.
+/// The reciprocal by which depths are compared, from additions and multiplications alone: rounded to the
+/// nearest, as a division is, but for a dozen numbers in eight million. Of numbers from 2^-100 to 2^100
+/// either side of zero; not a number for zero.
 #[inline(always)]
-pub(crate) fn reciprocal(x: f32) -> f32 {
+#[must_use]
+pub fn reciprocal(x: f32) -> f32 {
     let y = near_reciprocal(x);
     // What is missing, exactly: products of half as many digits are not rounded, nor are these differences.
     let [x_upper, y_upper] = [x, y].map(|v| f32::from_bits(v.to_bits() & UPPER));
