@@ -232,7 +232,6 @@ soak:
 lint:
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	$(CARGO) run --quiet --locked --package convoy-layers
 	@if $(TYPOS) --version >/dev/null 2>&1; then $(TYPOS); \
 		else echo "note: spelling is not checked without typos (pip install typos)"; fi
 	@if $(CARGO) deny --version >/dev/null 2>&1; then $(CARGO) deny --offline check bans licenses sources; \

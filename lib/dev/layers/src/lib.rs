@@ -1,10 +1,10 @@
 //! Fails where a crate depends on one that is not above it, and where files of a crate need one another in a
 //! circle: neither can be read, tested or moved without the other; and where comments are wider than code.
-//! Part of `make lint`.
+//! All of it is tests: the last one in this file looks at the workspace.
 //!
 //! A file needs another one if it names something of it outside tests. Names that a module only hands on
 //! count as those of the file that they come from.
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "it is a check on the command line")]
+#![cfg(test)]
 
 mod comments;
 mod graph;
@@ -13,22 +13,9 @@ mod paths;
 mod rooms;
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use graph::{Graph, circles, shortest};
 use rooms::Crate;
-
-fn main() -> ExitCode {
-    let mut checked = Checked::default();
-    if let Err(fault) = check(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.."), &mut checked) {
-        checked.faults.push(fault);
-    }
-    for fault in &checked.faults {
-        eprintln!("error: {fault}");
-    }
-    println!("{} files of {} crates", checked.files, checked.crates);
-    ExitCode::from(u8::from(!checked.faults.is_empty()))
-}
 
 #[derive(Default)]
 struct Checked {
@@ -115,4 +102,19 @@ fn told(src: &Path, graph: &Graph, circle: &[usize]) -> String {
         text += &format!("\n  and so, too: {}", others.join(", "));
     }
     text
+}
+
+#[test]
+fn the_workspace_keeps_its_rules() {
+    let mut checked = Checked::default();
+    if let Err(fault) = check(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../.."), &mut checked) {
+        checked.faults.push(fault);
+    }
+    assert!(checked.faults.is_empty(), "\n{}", checked.faults.join("\n"));
+    assert!(
+        checked.crates >= 50 && checked.files >= 1000,
+        "{} files of {} crates",
+        checked.files,
+        checked.crates
+    );
 }
