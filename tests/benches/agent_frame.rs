@@ -4,6 +4,7 @@
 
 mod features;
 mod materials;
+mod on_device;
 mod roads;
 
 use device::{Choice, Device, DeviceRenderer};
@@ -24,6 +25,7 @@ use labels::voxel_grid::VoxelGrid;
 use labels::voxels::{CpuVoxelRenderer, GridPlacement};
 use land::tiles::{Surroundings, TileMaker};
 use materials::Material;
+use on_device::OnDevice;
 use opendrive::Map;
 use plan::PlanMap;
 use random::Stream;
@@ -38,7 +40,7 @@ use schema::{ActorRole, AgentId, BevClass, DetectionClass, ObjectId};
 use sensors::{Camera, Image, Lidar, LidarMoment, RadarMotion, RadarQuery};
 use settings::stages::{PlanSettings, SimulationSettings};
 use settings::{DatasetSettings, LidarSpec};
-use shading::{CpuPainter, FrameWeather, Painter, Shot, Sight, StillWorld};
+use shading::{FrameWeather, Shot, Sight, StillWorld};
 use traffic::{SceneInput, SimulationLog};
 use world::{Light, Moment, OwnModels, SceneWorld};
 
@@ -80,7 +82,7 @@ struct Row {
 }
 
 fn main() {
-    let settings = settings::parse(CONFIG, "bench").expect("the configuration is valid");
+    let settings = settings::parse(&config(), "bench").expect("the configuration is valid");
     let network = town::generate(&town::named("convoy/demo").expect("is named")).expect("is generated");
     let map = Map::new(network);
     let mut maps = BTreeMap::from([("convoy/demo".to_owned(), PlanMap { map, hash: String::new() })]);
@@ -115,17 +117,31 @@ fn main() {
     let start = best(3, || made(Light::AmbientOcclusion));
     let world = made(Light::AmbientOcclusion);
     let scene = Agentframe::new(&settings, &map, &actors, &log, &world);
-    let materials = scene.measure(&mut rows);
+    let (materials, on_device) = scene.measure(&mut rows);
     for (what, taken) in [("without", bare_start), ("with", start)] {
         let part = format!("a scene's models and meshes, {what} the sky's light on bodies (once a scene)");
         rows.push(Row { part, taken, budget_s: f64::NAN });
     }
     print(&rows, scene.triangles());
+    if let Some(name) = scene.device.name() {
+        on_device::print(&name, &on_device, &scene.renderer);
+    }
     print_materials(&materials);
     print_features(&scene.features(&made(Light::Any)));
     let mut rows = Vec::new();
     roads::measure(&mut rows);
     print_roads(&rows);
+}
+
+/// The configuration; `CONVOY_BENCH_CAMERA=320x180` makes pictures of another size, for devices in software.
+fn config() -> String {
+    let size = std::env::var("CONVOY_BENCH_CAMERA").unwrap_or_default();
+    match size.split_once('x') {
+        Some((width, height)) => {
+            format!("{CONFIG}[vehicle]\ncamera = {{ width = {width}, height = {height} }}\n")
+        }
+        None => CONFIG.to_owned(),
+    }
 }
 
 /// Steps per second against real time, with all the traffic that fits.
@@ -157,6 +173,7 @@ struct CameraTimes {
     encode: Taken,
     others: [(&'static str, Taken); 3],
     materials: Vec<Material>,
+    on_device: Vec<OnDevice>,
 }
 
 struct Agentframe<'a> {
@@ -165,6 +182,7 @@ struct Agentframe<'a> {
     actors: &'a [ActorRow],
     log: &'a SimulationLog,
     world: &'a SceneWorld,
+    device: Device,
     renderer: DeviceRenderer,
     pose: Pose<World, Agent>,
     own: u16,
@@ -199,10 +217,10 @@ impl<'a> Agentframe<'a> {
         let state = log.states.iter().find(|s| s.frame == FRAME && s.id == own).expect("has a state");
         let pose = Pose::from_xyz_wxyz(state.xyz_m, state.quaternion);
         let name = std::env::var("CONVOY_DEVICE").unwrap_or_else(|_| "cpu".to_owned());
-        let device = Device::open(&Choice::from(&*name)).expect("is a device");
+        let device = Device::open(&Choice::from(&*name), None).expect("is a device");
         let mut renderer = device.renderer();
         renderer.prepare(&world.meshes()).expect("has no device");
-        Self { settings, map, actors, log, world, renderer, pose, own }
+        Self { settings, map, actors, log, world, device, renderer, pose, own }
     }
 
     fn snapshot(&self, radius_m: f64) -> Snapshot {
@@ -227,7 +245,7 @@ impl<'a> Agentframe<'a> {
         snapshot.instances.iter().map(|i| snapshot.mesh(i).triangles.len()).sum()
     }
 
-    fn measure(&self, rows: &mut Vec<Row>) -> Vec<Material> {
+    fn measure(&self, rows: &mut Vec<Row>) -> (Vec<Material>, Vec<OnDevice>) {
         let mut push =
             |part: &str, taken: Taken, budget_s: f64| rows.push(Row { part: part.into(), taken, budget_s });
         push(
@@ -244,7 +262,8 @@ impl<'a> Agentframe<'a> {
         push("camera visibility, 6 cameras", cameras.raster, 0.35);
         push("shading, 6 cameras", cameras.shade, 0.15);
         push("image encoding, RGB + instance, 6 cameras", cameras.encode, 0.07);
-        push("lidar 262,144 rays + 4 radars", self.ranging(scene), 0.04);
+        let mut on_device = cameras.on_device;
+        push("lidar 262,144 rays + 4 radars", self.ranging(scene, &mut on_device), 0.04);
         push("BEV", self.bev(), 0.002);
         let [voxels, fill, npz] = self.occupancy();
         push("voxels, exact overlap", voxels, 0.1);
@@ -255,7 +274,7 @@ impl<'a> Agentframe<'a> {
         for (name, taken) in cameras.others {
             push(&format!("{name}, 6 cameras (not in the sum)"), taken, f64::NAN);
         }
-        cameras.materials
+        (cameras.materials, on_device)
     }
 
     fn cameras(&self, scene: &dyn Scene) -> CameraTimes {
@@ -272,16 +291,19 @@ impl<'a> Agentframe<'a> {
             })
             .collect();
         let pinholes: Vec<_> = views.iter().map(|view| CameraQuery::of(view.pinhole())).collect();
+        let mut on_device = Vec::new();
         let raster = best(3, || scene.render(&pinholes));
+        on_device::note(&mut on_device, "visibility, 6 cameras", &self.renderer, || scene.render(&pinholes));
         let seen = scene.render(&pinholes).expect("has no device");
         let shots: Vec<Shot<'_>> = views.iter().zip(&seen).map(|(view, seen)| Shot { view, seen }).collect();
         // The painter keeps the sky of a frame, and what the sun sees of all that stands still, which frames
         // and agents share.
-        let painter = CpuPainter::new(&self.renderer, self);
+        let painter = self.renderer.painter(Some(self));
         let place = origin.local_from_world(self.pose.xyz());
         let paint = || painter.paint(scene, &when, place, &shots).expect("has no device");
         paint();
         let shade = best(3, paint);
+        on_device::note(&mut on_device, "shading's lights and panes, 6 cameras", &self.renderer, paint);
         let materials = materials::shares(scene.snapshot(), &views, &seen, |seen| {
             let shots: Vec<Shot<'_>> =
                 views.iter().zip(seen).map(|(view, seen)| Shot { view, seen }).collect();
@@ -309,7 +331,7 @@ impl<'a> Agentframe<'a> {
             ("depth images", each(|snapshot, sight| Depth::of(snapshot, sight, 0).is_ok())),
             ("flow images", each(|snapshot, sight| Flow::of(snapshot, sight, 0).is_ok())),
         ];
-        CameraTimes { raster, shade, encode, others, materials }
+        CameraTimes { raster, shade, encode, others, materials, on_device }
     }
 
     /// Shading with one feature of pictures after the other switched on or off; `bare` is the same world
@@ -318,7 +340,7 @@ impl<'a> Agentframe<'a> {
         let rig = &self.settings.scenario.vehicle_rig;
         let before = self.log.states.iter().find(|s| s.frame == FRAME - 1 && s.id == self.own);
         let before = before.map_or(self.pose, |s| Pose::from_xyz_wxyz(s.xyz_m, s.quaternion));
-        let painter = CpuPainter::new(&self.renderer, self);
+        let painter = self.renderer.painter(Some(self));
         let mut features = Vec::new();
         for variant in &VARIANTS {
             let mut snapshot = self.snapshot(1000.0);
@@ -355,12 +377,12 @@ impl<'a> Agentframe<'a> {
         features
     }
 
-    fn ranging(&self, scene: &dyn Scene) -> Taken {
+    fn ranging(&self, scene: &dyn Scene, on_device: &mut Vec<OnDevice>) -> Taken {
         let rig = &self.settings.scenario.vehicle_rig;
         let origin = scene.snapshot().origin;
         let lidar = Lidar::new(&rig.lidars[0]).expect("is a lidar");
         let stream = Stream::new(1, 2, "bench", 3);
-        best(3, || {
+        let range = || {
             let spec: &LidarSpec = lidar.spec();
             let at = origin.local_from_body(&(self.pose * spec.mount.agent_from_sensor()));
             black_box(lidar.sweep(scene, &LidarMoment::standing(0, at), &stream).is_ok());
@@ -371,7 +393,9 @@ impl<'a> Agentframe<'a> {
                 RadarQuery { spec, motion, stream: &stream }
             });
             black_box(sensors::radars(scene, &radars.collect::<Vec<_>>(), 0).is_ok());
-        })
+        };
+        on_device::note(on_device, "lidar and radars", &self.renderer, range);
+        best(3, range)
     }
 
     fn bev(&self) -> Taken {

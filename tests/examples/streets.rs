@@ -13,7 +13,7 @@ use render::{CameraQuery, Renderer};
 use schema::tables::{FrameRow, Weather};
 use sensors::Camera;
 use settings::{CameraSettings, CameraSpec, Mount, Optics, SceneryRules};
-use shading::{CpuPainter, FrameWeather, Painter, Shot};
+use shading::{FrameWeather, Shot};
 use world::{Light, Moment, OwnModels, SceneWorld};
 
 /// Name, height over the road, sideways from the middle of the lane, pitch downwards, yaw to the left, field
@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         TileMaker::new(&map, &rules, catalogue::Catalogue::built_in()).around(&[centre], 300.0, 1)?;
     let world = SceneWorld::with_models(&actors, ground, &OwnModels::new(), Light::AmbientOcclusion)?;
     let name = std::env::var("CONVOY_DEVICE").unwrap_or_default();
-    let mut renderer = Device::open(&Choice::from(&*name))?.renderer();
+    let mut renderer = Device::open(&Choice::from(&*name), None)?.renderer();
     renderer.prepare(&world.meshes())?;
     for (name, weather) in weathers() {
         if arguments.get(1).is_some_and(|wanted| wanted != "all" && wanted != name) {
@@ -73,7 +73,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let moment = Moment { states: &[], previous: &[], signals: &[], frame: &frame };
         let snapshot = world.snapshot(&moment, centre, 400.0);
         let scene = renderer.place(&snapshot)?;
-        let painter = CpuPainter::default();
+        let painter = renderer.painter(None);
         let when = FrameWeather { frame: 0, time_s: 0.0, weather, is_steady: false };
         for (view, [height_m, aside_m, down_deg, yaw_deg, fov_deg]) in VIEWS {
             let (sin, cos) = frames::math::sin_cos(here.heading_rad);

@@ -7,15 +7,14 @@ mod recorder;
 
 use std::collections::BTreeSet;
 
-use device::{Choice, Device, Seen};
+use device::{Choice, Device, Work};
 use render::Renderer;
 use replay::{Light, Replay};
 use runner::frames::{FrameGroup, Writer, in_turn};
-use runner::{At, Job, Outlook, Place, Stage, StageError};
+use runner::{At, DeviceOptions, Job, Outlook, Place, Stage, StageError};
 use scene::SceneReader;
 use sensors::{Cameras, GeoOrigin, Radars, SensorContext, SharedBeams};
 use settings::stages::SensorSettings;
-use shading::CpuPainter;
 
 use crate::agent::{AgentRig, Renderers, StaticWorld};
 use crate::due::{AgentTables, has_colour};
@@ -23,11 +22,12 @@ use crate::due::{AgentTables, has_colour};
 /// The stage.
 pub const STAGE: Stage<SensorSettings> = Stage { open: Some(open), ..Stage::new(run) };
 
-/// Opens the device that looks at all scenes.
-fn open(outlook: &Outlook<'_, SensorSettings>) -> Result<(), StageError> {
-    let choice: Choice = outlook.device.unwrap_or_default().into();
-    let open = || Device::open(&choice).map_err(|e| StageError::usage(e.to_string()));
-    outlook.prepared.get_or_make(open).map(drop)
+/// Opens the device that looks at all scenes; its name, if it is a GPU.
+fn open(outlook: &Outlook<'_, SensorSettings>) -> Result<Option<String>, StageError> {
+    let DeviceOptions { name, memory_bytes } = outlook.device;
+    let choice = Choice::from(&**name);
+    let open = || Device::open(&choice, *memory_bytes).map_err(|e| StageError::usage(e.to_string()));
+    outlook.prepared.get_or_make(open).map(Device::name)
 }
 
 fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
@@ -53,8 +53,8 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
     let mut renderer = device.renderer();
     renderer.prepare(&replay.meshes()).at(|| job.place())?;
     let standing = StaticWorld(&replay);
-    let painter = CpuPainter::new(&renderer, &standing);
-    let eyes = Renderers { renderer: &renderer, painter: &painter };
+    let painter = renderer.painter(Some(&standing));
+    let eyes = Renderers { renderer: &renderer, painter: &*painter };
     let frames = replay.log.frame_count();
     let progress = job.progress();
     progress.set_total(u64::from(frames) * open.len() as u64);
@@ -70,10 +70,24 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
         Ok(FrameGroup { due, seen, writer })
     });
     in_turn(parts, frames, &progress, AgentRig::sense)?;
-    if let Some(Seen { by_gpu, by_cpu }) = renderer.seen() {
-        tracing::info!("scene {scene:04}: {by_gpu} views seen by the GPU, {by_cpu} by the CPU");
-    }
+    tell(scene, renderer.work());
     Ok(())
+}
+
+/// Says what a GPU did for a scene.
+fn tell(scene: u32, work: Option<Work>) {
+    let Some(Work { views, rays, calls, kernel_ns, told_bytes, answered_bytes }) = work else { return };
+    tracing::info!(
+        "scene {scene:04}: {} views and {} rays by the GPU, {} and {} by the CPU; {calls} calls, kernels {:.2} s, \
+         {} MiB there, {} MiB back",
+        views.by_gpu,
+        rays.by_gpu,
+        views.by_cpu,
+        rays.by_cpu,
+        kernel_ns as f64 * 1e-9,
+        told_bytes >> 20,
+        answered_bytes >> 20,
+    );
 }
 
 /// Where the map's origin is on the globe, as far as its projection text says (`+lat_0`, `+lon_0`).

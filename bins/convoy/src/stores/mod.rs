@@ -13,6 +13,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
+use arguments::device::DeviceArgs;
 use arguments::stage::Progress;
 use clap::Subcommand;
 
@@ -65,10 +66,8 @@ pub(crate) enum StoreCommand {
         /// mid-dataset.
         #[arg(long)]
         accept_code: bool,
-        /// What looks at scenes: cpu, gpu, auto (a GPU if a usable one is there), or a GPU by its number or a
-        /// part of its name; `render-sensors --device list` prints them. The output does not depend on it.
-        #[arg(long, value_name = "NAME")]
-        device: Option<String>,
+        #[command(flatten)]
+        device: DeviceArgs,
         /// Worker threads.
         #[arg(long, value_name = "N")]
         threads: Option<usize>,
@@ -162,9 +161,7 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
             if let Some(maps) = maps {
                 common.extend(["--maps".into(), maps.display().to_string()]);
             }
-            if let Some(device) = device {
-                common.extend(["--device".into(), device]);
-            }
+            common.extend(device.words());
             if let Some(threads) = threads {
                 common.extend(["--threads".into(), threads.to_string()]);
             }
@@ -185,6 +182,12 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
             let of_planner = of_planner.into_iter().filter(|(_, wanted)| *wanted);
             let of_planner: Vec<&str> = of_planner.map(|(word, _)| word).collect();
             runner::listen_for_signals();
+            // A device that is not there is said before anything is planned.
+            if device.must_be_there()
+                && let Err(code) = device_is_there(&device)
+            {
+                return code;
+            }
             let lock = if dry_run { Ok(None) } else { runner::hold_for_all_stages(&config, &store) };
             match lock {
                 Ok(_lock) => run(&common, &of_planner, scenes.as_deref(), &store),
@@ -216,18 +219,13 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
 
 /// Runs every stage as a process of its own: a stage's memory ends with it, and a crash is the stage's alone.
 fn run(common: &[String], of_planner: &[&str], scenes: Option<&str>, store: &std::path::Path) -> u8 {
-    let folder = match std::env::current_exe() {
-        Ok(exe) => exe.parent().map(std::path::Path::to_owned).unwrap_or_default(),
-        Err(e) => {
-            tracing::error!("cannot find the stage programs: {e}");
-            return EXIT_SOME_FAILED;
-        }
-    };
     let mut worst = EXIT_DONE;
     let mut times = Vec::new();
     for stage in &Graph::get().stages {
-        let program = folder.join(stage.name);
-        let mut command = Command::new(&program);
+        let mut command = match stage_program(stage.name) {
+            Ok(command) => command,
+            Err(code) => return code,
+        };
         command.args(common);
         if let (UnitKind::Scene, Some(scenes)) = (stage.unit, scenes) {
             command.args(["--scenes", scenes]);
@@ -239,13 +237,7 @@ fn run(common: &[String], of_planner: &[&str], scenes: Option<&str>, store: &std
             command.arg("--redo-older");
         }
         let start = Instant::now();
-        let code = match run_program(&mut command) {
-            Ok(code) => code,
-            Err(e) => {
-                tracing::error!("{}: cannot start: {e} (build the workspace first)", program.display());
-                return EXIT_USAGE;
-            }
-        };
+        let code = run_program(&mut command);
         times.push((stage.name, start.elapsed().as_secs_f64(), code));
         worst = worst.max(code);
         if code == EXIT_USAGE || code == EXIT_TRY_AGAIN || (code != EXIT_DONE && stage.unit == UnitKind::Plan)
@@ -273,9 +265,37 @@ fn run(common: &[String], of_planner: &[&str], scenes: Option<&str>, store: &std
     worst
 }
 
-/// Runs a stage program to its end and returns its exit code. A signal that ends this program ends the stage
-/// first.
-fn run_program(command: &mut Command) -> std::io::Result<u8> {
+/// Whether there is a device of this name; the exit code where there is none, which is said.
+fn device_is_there(device: &DeviceArgs) -> Result<(), u8> {
+    let mut command = stage_program("render-sensors")?;
+    match run_program(command.arg("--try-device").args(device.words())) {
+        EXIT_DONE => Ok(()),
+        code => Err(code),
+    }
+}
+
+/// A stage's program, which lies beside this one; the exit code if nobody knows where that is.
+fn stage_program(name: &str) -> Result<Command, u8> {
+    match std::env::current_exe() {
+        Ok(exe) => Ok(Command::new(exe.with_file_name(name))),
+        Err(e) => {
+            tracing::error!("cannot find the stage programs: {e}");
+            Err(EXIT_SOME_FAILED)
+        }
+    }
+}
+
+/// Runs a stage program to its end and returns its exit code, or that of what goes wrong, which is said. A
+/// signal that ends this program ends the stage first.
+fn run_program(command: &mut Command) -> u8 {
+    try_run_program(command).unwrap_or_else(|e| {
+        let program = command.get_program().display();
+        tracing::error!("{program}: cannot start: {e} (build the workspace first)");
+        EXIT_USAGE
+    })
+}
+
+fn try_run_program(command: &mut Command) -> std::io::Result<u8> {
     let mut child = command.spawn()?;
     let mut told = false;
     loop {

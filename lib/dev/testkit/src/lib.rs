@@ -1,5 +1,5 @@
-//! What tests share: real maps, small roads, meshes and snapshots, a renderer by brute force. Only tests,
-//! benchmarks and examples depend on it.
+//! What tests share: real maps, small roads, meshes and snapshots, random shapes, a renderer by brute force.
+//! Only tests, benchmarks and examples depend on it.
 //!
 //! What a machine may lack (real maps, Python packages, npm, a browser) is asked for here, so that one rule
 //! holds everywhere: the test prints that it skips, and fails instead where `CONVOY_REQUIRE` names what is
@@ -20,6 +20,7 @@ mod brute;
 mod maps;
 mod meshes;
 mod need;
+pub mod random_world;
 mod roads;
 mod town;
 

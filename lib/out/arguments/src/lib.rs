@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod device;
 pub mod evaluate;
 pub mod export;
 pub mod import;

@@ -6,6 +6,8 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, ValueEnum};
 use runner::{EditionWish, ProgressMode, STAMP_LEN, SceneList, Shard, Stage, StageOptions, StageSettings};
 
+use crate::device::DeviceArgs;
+
 /// A stage of Convoy's pipeline: does what is missing or stale, for all scenes of the plan or for some.
 #[derive(Clone, Debug, Parser)]
 #[command(
@@ -56,11 +58,8 @@ pub struct StageArgs {
     /// mid-dataset.
     #[arg(long, conflicts_with = "force")]
     accept_code: bool,
-    /// What looks at scenes: cpu, gpu, auto (a GPU if a usable one is there), or a GPU by its number or a
-    /// part of its name; `render-sensors --device list` prints them. The output does not depend on it.
-    #[arg(long, value_name = "NAME", env = "CONVOY_DEVICE", default_value = "auto", hide_env_values = true,
-          value_parser = device)]
-    device: String,
+    #[command(flatten)]
+    device: DeviceArgs,
     /// Worker threads (default: all cores). The output does not depend on it.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
@@ -144,19 +143,11 @@ impl From<StageArgs> for StageOptions {
             redo_older,
             strict,
             accept_code,
-            device: Some(device),
+            device: device.into(),
             threads,
             dry_run,
             progress,
         }
-    }
-}
-
-/// A device's name.
-fn device(text: &str) -> Result<String, String> {
-    match text {
-        "list" => Err("`render-sensors --device list` prints the devices".to_owned()),
-        name => Ok(name.to_owned()),
     }
 }
 

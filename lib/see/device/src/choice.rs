@@ -36,7 +36,7 @@ impl From<&str> for Choice {
 pub fn list() -> String {
     let mut text = String::new();
     for (number, adapter) in gpu::adapters().iter().enumerate() {
-        let state = match gpu::eyes(adapter) {
+        let state = match gpu::eyes(adapter, None) {
             Ok(_) if adapter.is_software() => {
                 "computes as the CPU does; software, used by its name only".to_owned()
             }

@@ -20,21 +20,27 @@ pub enum Device {
 }
 
 impl Device {
-    /// Opens the device that is meant. What it is, or why `auto` means the CPU, is a line of the log.
+    /// Opens the device that is meant. What it is, or why `auto` means the CPU, is a line of the log. Of a
+    /// GPU's memory so many bytes are used at most; if nothing is said, half of what it has.
     ///
     /// # Errors
     /// There is no such adapter, the name fits several, or the one that is named is not usable.
-    pub fn open(choice: &Choice) -> Result<Self, DeviceError> {
+    pub fn open(choice: &Choice, memory_bytes: Option<u64>) -> Result<Self, DeviceError> {
+        let open = |adapter: &Adapter| {
+            let eyes = gpu::eyes(adapter, memory_bytes)?;
+            tracing::info!("{adapter} looks at scenes");
+            Ok(eyes)
+        };
         match choice {
             Choice::Cpu => Ok(Self::Cpu),
-            Choice::Auto => match usable(&gpu::adapters()) {
+            Choice::Auto => match usable(&gpu::adapters(), open) {
                 Ok(eyes) => Ok(Self::Gpu(eyes)),
                 Err(why) => {
                     tracing::info!("the CPU looks at scenes: {}", why.join("; "));
                     Ok(Self::Cpu)
                 }
             },
-            Choice::Gpu => usable(&gpu::adapters())
+            Choice::Gpu => usable(&gpu::adapters(), open)
                 .map(Self::Gpu)
                 .map_err(|why| DeviceError::NoGpu { why: why.join("; ") }),
             Choice::Named(name) => {
@@ -49,6 +55,15 @@ impl Device {
         }
     }
 
+    /// Name, driver and memory, if it is a GPU.
+    #[must_use]
+    pub fn name(&self) -> Option<String> {
+        match self {
+            Self::Cpu => None,
+            Self::Gpu(eyes) => Some(eyes.adapter().to_string()),
+        }
+    }
+
     /// A renderer of it, without meshes yet.
     #[must_use]
     pub fn renderer(&self) -> DeviceRenderer {
@@ -60,7 +75,10 @@ impl Device {
 }
 
 /// The first GPU that is usable, or what is wrong with each adapter.
-fn usable(adapters: &[Adapter]) -> Result<Arc<Eyes>, Vec<String>> {
+fn usable(
+    adapters: &[Adapter],
+    open: impl Fn(&Adapter) -> Result<Arc<Eyes>, gpu::GpuError>,
+) -> Result<Arc<Eyes>, Vec<String>> {
     let mut why = Vec::new();
     for adapter in adapters {
         if adapter.is_software() {
@@ -76,10 +94,4 @@ fn usable(adapters: &[Adapter]) -> Result<Arc<Eyes>, Vec<String>> {
         why.push("Vulkan has no adapter".to_owned());
     }
     Err(why)
-}
-
-fn open(adapter: &Adapter) -> Result<Arc<Eyes>, gpu::GpuError> {
-    let eyes = gpu::eyes(adapter)?;
-    tracing::info!("{adapter} looks at scenes");
-    Ok(eyes)
 }

@@ -1,7 +1,7 @@
-//! Which device looks at scenes: the one place that chooses one and builds its renderers.
+//! Which device looks at scenes: the one place that chooses one and builds its renderers and painters.
 //!
-//! A device changes no byte of what is made. Stages, benchmarks and examples get their renderer from here;
-//! only tests of a renderer name its type.
+//! A device changes no byte of what is made. Stages, benchmarks and examples get their renderer and painter
+//! from here; only tests of one name its type.
 
 mod choice;
 mod device;
@@ -11,5 +11,5 @@ mod renderer;
 pub use choice::{Choice, list};
 pub use device::Device;
 pub use error::DeviceError;
-pub use gpu::Seen;
+pub use gpu::Work;
 pub use renderer::DeviceRenderer;

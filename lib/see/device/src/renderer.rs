@@ -1,11 +1,12 @@
-//! A renderer of any device.
+//! A renderer of any device, and its painter.
 
 use std::sync::Arc;
 
-use gpu::{GpuRenderer, Seen};
+use gpu::{GpuRenderer, Work};
 use render::cpu::CpuRenderer;
 use render::{RenderError, Renderer, Scene};
 use schema::geometry::{Snapshot, TriMesh};
+use shading::{CpuPainter, Painter, StillWorld};
 
 /// A renderer of any device.
 #[derive(Debug)]
@@ -17,12 +18,19 @@ pub enum DeviceRenderer {
 }
 
 impl DeviceRenderer {
-    /// How many pictures which device has seen, if it is a GPU.
+    /// A painter of it, which keeps what lights see of what stands still in a world; without one it keeps
+    /// nothing.
     #[must_use]
-    pub fn seen(&self) -> Option<Seen> {
+    pub fn painter<'a>(&'a self, world: Option<&'a dyn StillWorld>) -> Box<dyn Painter + 'a> {
+        Box::new(world.map_or_else(CpuPainter::default, |world| CpuPainter::new(self, world)))
+    }
+
+    /// What was asked of a GPU, if it is one.
+    #[must_use]
+    pub fn work(&self) -> Option<Work> {
         match self {
             Self::Cpu(_) => None,
-            Self::Gpu(renderer) => Some(renderer.seen()),
+            Self::Gpu(renderer) => Some(renderer.work()),
         }
     }
 }

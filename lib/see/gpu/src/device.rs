@@ -10,6 +10,8 @@ use crate::unchecked;
 
 /// What has given no answer by then is taken for lost.
 const TIMEOUT: Duration = Duration::from_secs(30);
+/// Two moments.
+const CLOCK_BYTES: u64 = 16;
 /// Workgroups along a dimension that every device has.
 const MOST_WORKGROUPS: u32 = 65_535;
 
@@ -27,6 +29,15 @@ pub struct Gpu {
 pub struct Kernel {
     pipeline: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
+}
+
+/// What a kernel answered.
+#[derive(Debug, Default)]
+pub struct Answer {
+    /// 32-bit words.
+    pub words: Vec<u32>,
+    /// How long the device was at it, nanoseconds; 0 where it does not tell.
+    pub kernel_ns: u64,
 }
 
 /// Bytes on a device.
@@ -134,7 +145,7 @@ impl Gpu {
         })
     }
 
-    /// Runs a kernel over buffers, in so many workgroups, and gives its answers: 32-bit words.
+    /// Runs a kernel over buffers, in so many workgroups, which answers so many words.
     ///
     /// # Errors
     /// The device failed, or has given no answer for 30 s.
@@ -144,22 +155,38 @@ impl Gpu {
         inputs: &[&Resident],
         workgroups: u32,
         answers: usize,
-    ) -> Result<Vec<u32>, GpuError> {
+    ) -> Result<Answer, GpuError> {
         if answers == 0 || workgroups == 0 {
-            return Ok(Vec::new());
+            return Ok(Answer::default());
         }
         let bytes = 4 * answers as u64;
+        // Behind the answers the two moments between which the kernel ran.
+        let clock_at = bytes.next_multiple_of(8);
+        let has_clock = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let (read_back, submission) = self.catching(|| {
-            let buffer = |label, usage| {
+            let buffer = |label, size, usage| {
                 self.device.create_buffer(&wgpu::BufferDescriptor {
                     label: Some(label),
-                    size: bytes,
-                    usage,
+                    size,
+                    usage: usage | wgpu::BufferUsages::COPY_SRC,
                     mapped_at_creation: false,
                 })
             };
-            let written = buffer("answers", wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
-            let read_back = buffer("read back", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+            let written = buffer("answers", bytes, wgpu::BufferUsages::STORAGE);
+            let read_back = self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("read back"),
+                size: clock_at + CLOCK_BYTES,
+                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            let clock = has_clock.then(|| {
+                let moments = self.device.create_query_set(&wgpu::QuerySetDescriptor {
+                    label: None,
+                    ty: wgpu::QueryType::Timestamp,
+                    count: 2,
+                });
+                (moments, buffer("clock", CLOCK_BYTES, wgpu::BufferUsages::QUERY_RESOLVE))
+            });
             let buffers = inputs.iter().map(|input| &input.buffer).chain([&written]);
             let entries: Vec<wgpu::BindGroupEntry<'_>> = (0..)
                 .zip(buffers)
@@ -174,13 +201,23 @@ impl Gpu {
                 entries: &entries,
             });
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            let timestamp_writes = clock.as_ref().map(|(moments, _)| wgpu::ComputePassTimestampWrites {
+                query_set: moments,
+                beginning_of_pass_write_index: Some(0),
+                end_of_pass_write_index: Some(1),
+            });
+            let mut pass =
+                encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
             pass.set_pipeline(&kernel.pipeline);
             pass.set_bind_group(0, &group, &[]);
             let columns = workgroups.min(MOST_WORKGROUPS);
             pass.dispatch_workgroups(columns, workgroups.div_ceil(columns), 1);
             drop(pass);
             encoder.copy_buffer_to_buffer(&written, 0, &read_back, 0, bytes);
+            if let Some((moments, resolved)) = &clock {
+                encoder.resolve_query_set(moments, 0..2, resolved, 0);
+                encoder.copy_buffer_to_buffer(resolved, 0, &read_back, clock_at, CLOCK_BYTES);
+            }
             (read_back, self.queue.submit([encoder.finish()]))
         })?;
         let (told, mapped) = mpsc::channel();
@@ -195,7 +232,13 @@ impl Gpu {
         let mapped = mapped.recv_timeout(TIMEOUT).map_err(|_| failed("no answer came".into()))?;
         mapped.map_err(|e| failed(e.to_string()))?;
         let view = read_back.get_mapped_range(..).map_err(|e| failed(e.to_string()))?;
-        Ok(view.as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word)).collect())
+        let words = view[..bytes as usize].as_chunks::<4>().0.iter().map(|word| u32::from_le_bytes(*word));
+        let ticks = match view[clock_at as usize..].as_chunks::<8>().0 {
+            [from, to] if has_clock => u64::from_le_bytes(*to).saturating_sub(u64::from_le_bytes(*from)),
+            _ => 0,
+        };
+        let kernel_ns = (ticks as f64 * f64::from(self.queue.get_timestamp_period())) as u64;
+        Ok(Answer { words: words.collect(), kernel_ns })
     }
 
     /// Calls, and takes what the driver says meanwhile for an error.
@@ -210,6 +253,9 @@ impl Gpu {
         }
         match said.first() {
             None => Ok(called),
+            Some(error @ wgpu::Error::OutOfMemory { .. }) => {
+                Err(GpuError::Memory { problem: error.to_string() })
+            }
             Some(error) => Err(GpuError::Device { problem: error.to_string() }),
         }
     }

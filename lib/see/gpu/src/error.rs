@@ -25,6 +25,12 @@ pub enum GpuError {
         /// What the driver said.
         problem: String,
     },
+    /// It has no room, or may not use so much.
+    #[error("no room in the device's memory: {problem}")]
+    Memory {
+        /// What was needed.
+        problem: String,
+    },
     /// It did not see a scene as the CPU does.
     #[error("driver {driver}: column {column}, row {row} of a test scene is not what the CPU sees")]
     Unequal {
@@ -34,6 +40,14 @@ pub enum GpuError {
         column: usize,
         /// Its row.
         row: usize,
+    },
+    /// It did not follow a ray as the CPU does.
+    #[error("driver {driver}: ray {ray} through a test scene does not meet what the CPU meets")]
+    UnequalRay {
+        /// Version of the driver.
+        driver: String,
+        /// The first ray that differs.
+        ray: usize,
     },
     /// It did not compute as the CPU does.
     #[error("driver {driver}: {operation} of {operands} gives {found:#010x}, not {expected:#010x}")]

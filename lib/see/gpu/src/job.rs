@@ -5,14 +5,12 @@ use std::ops::Range;
 use render::prepared::{TILE_HEIGHT, TILE_WIDTH, TiledView, ViewedInstance, reciprocal};
 use render::{Outputs, VisibilityBuffer};
 
-use crate::meshes::{Place, ResidentMeshes};
+use crate::meshes::{FARTHEST_M, Place, ResidentMeshes};
 
 /// Words before the tiles: how many tiles, and where tiles, cameras, instances and entries begin.
 const HEADER: usize = 5;
 const INSTANCE_WORDS: usize = 18;
 const TILE_PIXELS: usize = TILE_WIDTH * TILE_HEIGHT;
-/// Coordinates beyond which numbers may overflow on the way: nobody's world is so large.
-const FARTHEST_M: f32 = 1e9;
 
 /// A camera's view that a device is to draw.
 #[derive(Debug)]

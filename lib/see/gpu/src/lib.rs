@@ -1,5 +1,5 @@
 //! GPUs: which there are, whether they compute as the CPU does, shaders that may not be rearranged, and a
-//! renderer whose cameras see by them ([`GpuRenderer`]).
+//! renderer that asks them ([`GpuRenderer`]).
 //!
 //! A device may change no byte of a dataset. Two things make that possible. Shaders are translated here
 //! ([`translate`]): every float operation is marked so that the driver may not fuse it with another. And
@@ -9,7 +9,7 @@
 //!
 //! ```no_run
 //! for adapter in gpu::adapters() {
-//!     match gpu::eyes(&adapter) {
+//!     match gpu::eyes(&adapter, None) {
 //!         Ok(_) => println!("{adapter}: computes as the CPU does"),
 //!         Err(e) => println!("{adapter}: not used: {e}"),
 //!     }
@@ -19,9 +19,11 @@
 mod adapter;
 mod device;
 mod error;
+mod eyes;
 mod job;
+mod memory;
 mod meshes;
-mod permits;
+mod ray_job;
 mod renderer;
 mod self_scene;
 mod self_test;
@@ -29,9 +31,10 @@ mod shader;
 mod unchecked;
 
 pub use adapter::{Adapter, adapters};
-pub use device::{Gpu, Kernel, Resident};
+pub use device::{Answer, Gpu, Kernel, Resident};
 pub use error::GpuError;
-pub use renderer::{Eyes, GpuRenderer, Seen};
+pub use eyes::Eyes;
+pub use renderer::{Answered, GpuRenderer, Work};
 pub use self_scene::eyes;
 pub use self_test::{Case, Operation, arithmetic, open};
 pub use shader::{EXACT, translate};

@@ -1,14 +1,19 @@
 //! The meshes of a scene on a device.
 
+use std::sync::Arc;
+
 use render::prepared::{BLOCK, MeshData, Meshes};
 
 use crate::device::{Gpu, Resident};
 use crate::error::GpuError;
+use crate::memory::{Held, Memory};
 
 /// Triangles that a kernel takes together.
 const BATCH: u32 = 16;
 /// Levels of a tree for which kernels keep room on their stacks.
-const DEEPEST: u32 = 60;
+pub(crate) const DEEPEST: u32 = 60;
+/// Coordinates beyond which numbers may overflow on the way: nobody's world is so large.
+pub(crate) const FARTHEST_M: f32 = 1e9;
 /// In the list of triangles: it is a pane.
 const PANE: u32 = 1 << 31;
 /// Words of a node.
@@ -21,6 +26,7 @@ pub(crate) struct ResidentMeshes {
     pub(crate) corners: Resident,
     pub(crate) order: Resident,
     places: Vec<Option<Place>>,
+    _held: Held,
 }
 
 /// Where a mesh begins in the buffers.
@@ -42,17 +48,19 @@ struct Words {
 }
 
 impl ResidentMeshes {
-    /// Uploads meshes; `None` where the device cannot hold them in a buffer.
+    /// Uploads meshes.
     ///
     /// # Errors
-    /// The device failed.
-    pub(crate) fn upload(gpu: &Gpu, meshes: &Meshes) -> Result<Option<Self>, GpuError> {
+    /// There is no room for them, in a buffer or at all, or the device failed.
+    pub(crate) fn upload(gpu: &Gpu, memory: &Arc<Memory>, meshes: &Meshes) -> Result<Self, GpuError> {
         let slots: usize = meshes.iter().map(|mesh| mesh.blocks.len() * BLOCK).sum();
         let nodes: usize = meshes.iter().map(|mesh| mesh.bvh.nodes.len()).sum();
-        let largest_bytes = 4 * (9 * slots).max(NODE * nodes).max(1) as u64;
-        if largest_bytes > gpu.largest_buffer() {
-            return Ok(None);
+        let (largest_bytes, buffer_bytes) = (4 * (9 * slots).max(NODE * nodes) as u64, gpu.largest_buffer());
+        if largest_bytes > buffer_bytes {
+            let problem = format!("{largest_bytes} bytes are more than the {buffer_bytes} of a buffer");
+            return Err(GpuError::Memory { problem });
         }
+        let held = memory.keep(4 * (10 * slots + NODE * nodes) as u64)?;
         let mut words = Words::default();
         meshes.iter().for_each(|mesh| words.add(mesh));
         let Words { mut nodes, mut corners, mut order, places } = words;
@@ -60,12 +68,13 @@ impl ResidentMeshes {
         if order.is_empty() {
             (nodes, corners, order) = (vec![0], vec![0.0], vec![0]);
         }
-        Ok(Some(Self {
+        Ok(Self {
             nodes: gpu.upload(bytemuck::cast_slice(&nodes))?,
             corners: gpu.upload(bytemuck::cast_slice(&corners))?,
             order: gpu.upload(bytemuck::cast_slice(&order))?,
             places,
-        }))
+            _held: held,
+        })
     }
 
     /// Where a mesh is; `None` if kernels cannot walk its tree.
@@ -101,16 +110,6 @@ impl Words {
 
 /// Whether kernels can walk a mesh's tree and tell its triangles: none of usual meshes is too deep.
 fn is_walkable(mesh: &MeshData) -> bool {
-    let nodes = &mesh.bvh.nodes;
-    let mut depth = vec![0u32; nodes.len()];
-    for (at, node) in nodes.iter().enumerate() {
-        let child = node.child as usize;
-        if child != 0 {
-            let below = depth[at] + 1;
-            depth[child..child + 2].fill(below);
-        } else if node.count > BATCH {
-            return false;
-        }
-    }
-    depth.iter().all(|depth| *depth <= DEEPEST) && mesh.bvh.order.iter().all(|triangle| *triangle < PANE)
+    let has_small_leaves = mesh.bvh.nodes.iter().all(|node| node.child != 0 || node.count <= BATCH);
+    has_small_leaves && mesh.bvh.depth() <= DEEPEST && mesh.bvh.order.iter().all(|triangle| *triangle < PANE)
 }

@@ -1,29 +1,32 @@
-//! Whether a device sees a small scene as the CPU does.
+//! Whether a device sees a small scene, and follows rays through it, as the CPU does.
 
 use std::sync::Arc;
 
 use glam::{Affine3A, Mat3, Vec3};
 use render::cpu::CpuRenderer;
-use render::{CameraQuery, Outputs, PinholeCamera, Renderer, VisibilityBuffer};
+use render::{CameraQuery, Hits, Outputs, PinholeCamera, RayBatch, RayQuery, Renderer, VisibilityBuffer};
 use schema::Tag;
 use schema::geometry::{Instance, MeshPart, Snapshot, Surface, TriMesh};
 
 use crate::adapter::Adapter;
 use crate::error::GpuError;
-use crate::renderer::{Eyes, GpuRenderer};
-use crate::self_test::open;
+use crate::eyes::Eyes;
+use crate::renderer::{GpuRenderer, Work};
 
 /// Squares of a mesh along a side.
 const SQUARES: u32 = 24;
 
-/// Opens an adapter's device, tries whether it computes as the CPU does ([`open`]), compiles the kernels, and
-/// tries whether it sees a small scene as the CPU does.
+/// Opens an adapter's device, tries whether it computes as the CPU does ([`crate::open`]), compiles the
+/// kernels, and tries whether it sees a small scene and follows rays through it as the CPU does.
+///
+/// It uses no more memory than so many bytes; if nothing is said, half of what the adapter has.
 ///
 /// # Errors
 /// It lacks a feature, the driver gives no device, refuses a kernel or fails, or an answer is not the CPU's.
-pub fn eyes(adapter: &Adapter) -> Result<Arc<Eyes>, GpuError> {
-    let eyes = Arc::new(Eyes::new(open(adapter)?)?);
+pub fn eyes(adapter: &Adapter, memory_bytes: Option<u64>) -> Result<Arc<Eyes>, GpuError> {
+    let eyes = Arc::new(Eyes::new(adapter)?);
     try_scene(&eyes)?;
+    eyes.limit_memory(memory_bytes);
     Ok(eyes)
 }
 
@@ -40,20 +43,53 @@ fn try_scene(eyes: &Arc<Eyes>) -> Result<(), GpuError> {
     let failed = |e: render::RenderError| GpuError::Device { problem: e.to_string() };
     let mut cpu = CpuRenderer::default();
     cpu.prepare(&snapshot.meshes).map_err(failed)?;
-    let expected = cpu.place(&snapshot).and_then(|scene| scene.render(&queries)).map_err(failed)?;
+    let scene = cpu.place(&snapshot).map_err(failed)?;
+    let expected = scene.render(&queries).map_err(failed)?;
+    let directions = directions();
+    let rays = RayQuery::of(RayBatch {
+        origin: Vec3::new(0.2, 0.1, 0.3),
+        directions: &directions,
+        range_m: [0.5, 40.0],
+        nearest_m: &[],
+    });
+    let met = scene.trace(&[rays]).map_err(failed)?;
     let mut gpu = GpuRenderer::new(Arc::clone(eyes));
     gpu.prepare(&snapshot.meshes).map_err(failed)?;
-    let found = gpu.place(&snapshot).and_then(|scene| scene.render(&queries)).map_err(failed)?;
-    if gpu.seen().by_cpu > 0 {
+    let scene = gpu.place(&snapshot).map_err(failed)?;
+    let found = scene.render(&queries).map_err(failed)?;
+    let found_by_rays = scene.trace(&[rays]).map_err(failed)?;
+    drop(scene);
+    let Work { views, rays, .. } = gpu.work();
+    if views.by_cpu > 0 || rays.by_cpu > 0 {
         return Err(GpuError::Device { problem: "it cannot see a scene".to_owned() });
     }
     for (found, expected) in found.iter().zip(&expected) {
         if let Some(at) = (0..expected.depth_m.len()).find(|&at| pixel(found, at) != pixel(expected, at)) {
             let [column, row] = [at % expected.width as usize, at / expected.width as usize];
-            return Err(GpuError::Unequal { driver: eyes.gpu().driver().to_owned(), column, row });
+            return Err(GpuError::Unequal { driver: eyes.adapter().driver(), column, row });
+        }
+    }
+    for (found, expected) in found_by_rays.iter().zip(&met) {
+        let hit = |hits: &Hits, ray: usize| {
+            let floats = [hits.t[ray], hits.u[ray], hits.v[ray]].map(f32::to_bits);
+            (floats, hits.instance[ray], hits.triangle[ray])
+        };
+        if let Some(ray) = (0..expected.len()).find(|&ray| hit(found, ray) != hit(expected, ray)) {
+            return Err(GpuError::UnequalRay { driver: eyes.adapter().driver(), ray });
         }
     }
     Ok(())
+}
+
+/// Rays to all sides: along a spiral from straight up to straight down.
+fn directions() -> Vec<Vec3> {
+    const RAYS: u16 = 4096;
+    let along = |i: u16| {
+        let z = 1.0 - 2.0 * (f32::from(i) + 0.5) / f32::from(RAYS);
+        let (sin, cos) = frames::math::f32::sin_cos(f32::from(i) * 2.4);
+        Vec3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + Vec3::Z * z
+    };
+    (0..RAYS).map(along).collect()
 }
 
 /// What a pixel shows, and the bits of its depth.

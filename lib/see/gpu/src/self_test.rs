@@ -124,7 +124,7 @@ pub fn arithmetic(gpu: &Gpu, cases: &[Case]) -> Result<Vec<u32>, GpuError> {
         return Ok(Vec::new());
     }
     let workgroups = (cases.len() as u32).div_ceil(WORKGROUP);
-    gpu.run(&kernel, &[&gpu.upload(&input)?], workgroups, cases.len())
+    Ok(gpu.run(&kernel, &[&gpu.upload(&input)?], workgroups, cases.len())?.words)
 }
 
 /// Opens an adapter's device and tries whether it computes as the CPU does.

@@ -38,7 +38,7 @@ pub use foresight::Foresight;
 pub use graph::{Graph, StageSpec, UnitKind};
 pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
 pub use lock::{hold_alone, hold_for_all_stages};
-pub use options::{ProgressMode, SceneList, Shard, StageOptions};
+pub use options::{DeviceOptions, ProgressMode, SceneList, Shard, StageOptions};
 pub use output_file::OutputFile;
 pub use prepared::Prepared;
 pub use programs::{Programs, STAMP_LEN};

@@ -29,14 +29,23 @@ pub struct StageOptions {
     pub strict: bool,
     /// Keep what an older version or program made, where nothing else changed.
     pub accept_code: bool,
-    /// What looks at scenes, as `--device` has it; none: what is best of what there is.
-    pub device: Option<String>,
+    /// What looks at scenes.
+    pub device: DeviceOptions,
     /// Worker threads; none: all cores.
     pub threads: Option<usize>,
     /// Only say what would be done.
     pub dry_run: bool,
     /// How to show progress.
     pub progress: ProgressMode,
+}
+
+/// What looks at scenes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DeviceOptions {
+    /// As `--device` has it; empty: the best of what there is.
+    pub name: String,
+    /// Most memory of a GPU that is used; none: half of what it has.
+    pub memory_bytes: Option<u64>,
 }
 
 /// How to show progress.

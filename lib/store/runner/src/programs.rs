@@ -63,6 +63,7 @@ impl Programs {
             release: env!("CARGO_PKG_VERSION").to_owned(),
             commit: self.commit.clone(),
             program: self.digest(stage).unwrap_or_default(),
+            device: None,
         }
     }
 

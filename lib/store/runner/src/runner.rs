@@ -9,14 +9,14 @@ use std::time::Instant;
 
 use serde::Serialize;
 use settings::{DatasetSettings, Fault};
-use store::{Attempt, Failure, Identity, Manifest, Scope, Store, keys};
+use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, keys};
 
 use crate::editions::{self, Editions};
 use crate::error::StageError;
 use crate::foresight::{Blame, Foresight, Intent};
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::{self, is_imported};
-use crate::options::{ProgressMode, StageOptions};
+use crate::options::{DeviceOptions, ProgressMode, StageOptions};
 use crate::prepared::Prepared;
 use crate::programs::{Programs, STAMP_LEN};
 use crate::progress::Progress;
@@ -109,7 +109,7 @@ fn try_run<S: StageSettings>(
     }
     let _lock = if *dry_run { None } else { lock::hold(&store, &settings, S::STAGE)? };
     let editions = Editions::of_store(&store, &settings, *edition)?;
-    let run = Run {
+    let mut run = Run {
         stage,
         spec,
         of_dataset: S::of_dataset(&editions),
@@ -118,6 +118,7 @@ fn try_run<S: StageSettings>(
         store,
         maps: maps.clone(),
         device: device.clone(),
+        device_in_use: None,
         force: *force,
         redo: *redo,
         redo_older: *redo_older,
@@ -141,7 +142,7 @@ fn try_run<S: StageSettings>(
     }
     run.agree(&foresight)?;
     if let Some(open) = run.stage.open {
-        open(&run.outlook())?;
+        run.device_in_use = open(&run.outlook())?;
     }
     run.all(&scopes)
 }
@@ -172,7 +173,9 @@ struct Run<'a, S> {
     programs: &'a Programs,
     store: Store,
     maps: Option<PathBuf>,
-    device: Option<String>,
+    device: DeviceOptions,
+    /// What looks at scenes, for manifests to remark.
+    device_in_use: Option<String>,
     force: bool,
     redo: bool,
     redo_older: bool,
@@ -187,7 +190,7 @@ impl<S: StageSettings> Run<'_, S> {
             settings: &self.of_dataset,
             editions: &self.editions,
             maps: self.maps.as_deref(),
-            device: self.device.as_deref(),
+            device: &self.device,
             store: &self.store,
             prepared: &self.prepared,
         }
@@ -496,7 +499,7 @@ impl<S: StageSettings> Run<'_, S> {
             return Ok(false);
         }
         let ready = self.status().inputs(self.spec, scope)?.map_err(StageError::NotReady)?;
-        let made_by = self.programs.made_by(S::STAGE);
+        let made_by = MadeBy { device: self.device_in_use.clone(), ..self.programs.made_by(S::STAGE) };
         let identity = Identity {
             stage: S::STAGE.into(),
             scope,

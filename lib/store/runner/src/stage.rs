@@ -10,6 +10,7 @@ use crate::editions::Editions;
 use crate::error::{Place, StageError};
 use crate::graph::StageSpec;
 use crate::interrupt;
+use crate::options::DeviceOptions;
 use crate::prepared::Prepared;
 use crate::progress::Progress;
 use crate::seen::StageSettings;
@@ -60,8 +61,8 @@ pub struct Outlook<'a, S> {
     pub editions: &'a Editions,
     /// The folder with map files, if one was given.
     pub maps: Option<&'a Path>,
-    /// What is to look at scenes, as `--device` has it.
-    pub device: Option<&'a str>,
+    /// What is to look at scenes.
+    pub device: &'a DeviceOptions,
     /// The store, for reading.
     pub store: &'a Store,
     /// What the stage has worked out already.
@@ -77,8 +78,8 @@ pub type Forecast<S> = fn(&Outlook<'_, S>) -> Result<Vec<String>, StageError>;
 /// What is suspicious in what a stage would make.
 pub type Suspicions<S> = fn(&Outlook<'_, S>) -> Result<Vec<Suspicion>, StageError>;
 
-/// Opens what a stage works with.
-pub type Open<S> = fn(&Outlook<'_, S>) -> Result<(), StageError>;
+/// Opens what a stage works with, and says what manifests remark of it.
+pub type Open<S> = fn(&Outlook<'_, S>) -> Result<Option<String>, StageError>;
 
 /// One piece of work: a scope of a stage.
 pub struct Job<'a, S> {

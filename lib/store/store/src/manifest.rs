@@ -73,6 +73,9 @@ pub struct MadeBy {
     pub commit: Option<String>,
     /// BLAKE3 of the program's file, without the commit that is written into it.
     pub program: String,
+    /// The GPU that looked at the scene, and its driver; none where the CPU did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub device: Option<String>,
 }
 
 impl MadeBy {

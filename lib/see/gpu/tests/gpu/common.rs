@@ -1,6 +1,8 @@
 //! Devices for tests.
 
-use gpu::{Adapter, GpuError};
+use std::sync::Arc;
+
+use gpu::{Adapter, Eyes, GpuError};
 use testkit::{Need, skip};
 
 /// Calls with what is opened of every adapter that is usable, those in software too.
@@ -20,4 +22,9 @@ pub(crate) fn with_each<T>(open: impl Fn(&Adapter) -> Result<T, GpuError>, each:
     if tried == 0 {
         skip(Need::Vulkan, &missing);
     }
+}
+
+/// Calls with every adapter that sees as the CPU does.
+pub(crate) fn with_eyes(each: impl Fn(&Arc<Eyes>)) {
+    with_each(|adapter| gpu::eyes(adapter, None), |eyes| each(&eyes));
 }

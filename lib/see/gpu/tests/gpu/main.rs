@@ -2,5 +2,6 @@
 
 mod common;
 mod exact;
+mod rays;
 mod rules;
 mod visibility;

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Quat, Vec3};
-use gpu::{Eyes, GpuRenderer, Seen};
+use glam::{Affine3A, Vec3};
+use gpu::{Answered, Eyes, GpuRenderer};
 use random::Stream;
 use render::cpu::CpuRenderer;
 use render::{CameraQuery, Outputs, PinholeCamera, Renderer, Stipple};
-use schema::Tag;
-use schema::geometry::{MeshPart, Snapshot, Surface, TriMesh};
+use schema::geometry::{Snapshot, Surface, TriMesh};
+use testkit::random_world::{grid, mesh, point, pose, soup_with_slivers, uniform};
 use testkit::{camera_at, instance, snapshot};
 
-use crate::common::with_each;
+use crate::common::{with_each, with_eyes};
 
 /// Up, but for a hair: what is exactly up has no right and left.
 const UP: Vec3 = Vec3::new(0.02, 0.0, 1.0);
@@ -20,67 +20,16 @@ fn stream(topic: &str, number: u64) -> Stream {
     Stream::new(7, 0, topic, number)
 }
 
-fn uniform(stream: &mut Stream, low: f32, high: f32) -> f32 {
-    stream.uniform(low.into(), high.into()) as f32
-}
-
-fn point(stream: &mut Stream, size: f32) -> Vec3 {
-    Vec3::from_array(std::array::from_fn(|_| uniform(stream, -size, size)))
-}
-
-fn pose(stream: &mut Stream, size: f32) -> Affine3A {
-    let q: [f32; 4] = std::array::from_fn(|_| uniform(stream, -1.0, 1.0));
-    let rotation = Quat::from_xyzw(q[0], q[1], q[2], q[3] + 2.0).normalize();
-    Affine3A::from_rotation_translation(rotation, point(stream, size))
-}
-
-fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, surface: Surface) -> Arc<TriMesh> {
-    let part = MeshPart { tag: Tag::Building, surface, rgb: [0.5; 3] };
-    Arc::new(TriMesh {
-        triangle_part: vec![0; triangles.len()],
-        positions,
-        triangles,
-        parts: vec![part],
-        ..TriMesh::default()
-    })
-}
-
-/// Unconnected triangles, some of them long and flat.
-fn soup(stream: &mut Stream, count: usize, spread: f32, size: f32) -> Arc<TriMesh> {
-    let mut positions = Vec::new();
-    for number in 0..count {
-        let centre = point(stream, spread);
-        let thin = if number % 3 == 0 { 1e-4 } else { 1.0 };
-        let along = point(stream, size);
-        positions.extend([centre, centre + along, centre + along * 0.5 + point(stream, size) * thin]);
-    }
-    let triangles = (0..count as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-    mesh(positions, triangles, Surface::Plain)
-}
-
-/// A flat grid in z = 0 whose neighbours share edges, pixels' centres among them.
-fn grid(n: u32, half: f32, surface: Surface) -> Arc<TriMesh> {
-    let step = 2.0 * half / n as f32;
-    let positions = (0..=n)
-        .flat_map(|i| (0..=n).map(move |j| Vec3::new(i as f32 * step - half, j as f32 * step - half, 0.0)))
-        .collect();
-    let triangles = (0..n)
-        .flat_map(|i| (0..n).map(move |j| i * (n + 1) + j))
-        .flat_map(|k| [[k, k + n + 1, k + n + 2], [k, k + n + 2, k + 1]])
-        .collect();
-    mesh(positions, triangles, surface)
-}
-
 /// The queries' answers by both have to be equal, and come from the device. How many pixels see something.
 #[track_caller]
 fn hold(eyes: &Arc<Eyes>, world: &Snapshot, queries: &[CameraQuery<'_>]) -> usize {
     let (covered, seen) = compared(eyes, world, queries);
-    assert_eq!(seen, Seen { by_gpu: queries.len() as u64, by_cpu: 0 });
+    assert_eq!(seen, Answered { by_gpu: queries.len() as u64, by_cpu: 0 });
     covered
 }
 
 #[track_caller]
-fn compared(eyes: &Arc<Eyes>, world: &Snapshot, queries: &[CameraQuery<'_>]) -> (usize, Seen) {
+fn compared(eyes: &Arc<Eyes>, world: &Snapshot, queries: &[CameraQuery<'_>]) -> (usize, Answered) {
     let mut ours = GpuRenderer::new(Arc::clone(eyes));
     ours.prepare(&world.meshes).expect("keeps meshes");
     let mut cpu = CpuRenderer::default();
@@ -112,11 +61,7 @@ fn compared(eyes: &Arc<Eyes>, world: &Snapshot, queries: &[CameraQuery<'_>]) -> 
         assert_eq!((found.width, found.height), (expected.width, expected.height));
         covered += expected.depth_m.iter().filter(|d| d.is_finite()).count();
     }
-    (covered, ours.seen())
-}
-
-fn with_eyes(each: impl Fn(&Arc<Eyes>)) {
-    with_each(gpu::eyes, |eyes| each(&eyes));
+    (covered, ours.work().views)
 }
 
 /// Cameras at random places, of sizes that fill no tile.
@@ -133,7 +78,11 @@ fn loose_triangles_and_shared_edges_are_seen_alike() {
     with_eyes(|eyes| {
         for number in 0..4 {
             let s = &mut stream("gpu/soup", number);
-            let meshes = vec![soup(s, 300, 20.0, 4.0), grid(24, 30.0, Surface::Plain), soup(s, 9, 3.0, 1.0)];
+            let meshes = vec![
+                soup_with_slivers(s, 300, 20.0, 4.0),
+                grid(24, 30.0, Surface::Plain),
+                soup_with_slivers(s, 9, 3.0, 1.0),
+            ];
             let mut instances = vec![instance(1, 1, Affine3A::IDENTITY)];
             for i in 0..40 {
                 instances.push(instance([0, 2, 2][i % 3], 2, pose(s, 25.0)));
@@ -226,7 +175,7 @@ fn planes_through_the_camera_are_seen_alike() {
 fn places_far_off_and_triangles_through_the_camera_are_seen_alike() {
     with_eyes(|eyes| {
         let s = &mut stream("gpu/far", 1);
-        let meshes = vec![soup(s, 100, 8.0, 30.0), grid(3, 2000.0, Surface::Plain)];
+        let meshes = vec![soup_with_slivers(s, 100, 8.0, 30.0), grid(3, 2000.0, Surface::Plain)];
         for off in [Vec3::ZERO, Vec3::new(3000.0, -7000.0, 20.0)] {
             let place = |s: &mut Stream| Affine3A::from_translation(off) * pose(s, 6.0);
             let mut instances: Vec<_> = (0..6).map(|i| instance(0, 1 + i, place(s))).collect();
@@ -244,7 +193,11 @@ fn places_far_off_and_triangles_through_the_camera_are_seen_alike() {
 fn many_instances_and_panes_are_seen_alike() {
     with_eyes(|eyes| {
         let s = &mut stream("gpu/many", 1);
-        let meshes = vec![soup(s, 2, 0.3, 2.0), grid(2, 1.5, Surface::Window), grid(1, 1.5, Surface::Plain)];
+        let meshes = vec![
+            soup_with_slivers(s, 2, 0.3, 2.0),
+            grid(2, 1.5, Surface::Window),
+            grid(1, 1.5, Surface::Plain),
+        ];
         let mut instances: Vec<_> = (0..100_000).map(|_| instance(0, 1, pose(s, 120.0))).collect();
         let mut cabins = Vec::new();
         for object in 10..40 {
@@ -284,25 +237,62 @@ fn nothing_and_hostile_meshes_are_seen_alike() {
         let listed = snapshot([meshes, vec![same]].concat(), vec![instance(0, 1, at), instance(2, 2, at)]);
         let (covered, seen) = compared(eyes, &listed, &[one, away, large].map(CameraQuery::of));
         assert!(covered > 1000);
-        assert_eq!(seen, Seen { by_gpu: 0, by_cpu: 3 });
+        // What shows no such mesh is the device's all the same.
+        assert_eq!(seen, Answered { by_gpu: 1, by_cpu: 2 });
         hold(eyes, &world, &[]);
         hold(eyes, &snapshot(Vec::new(), Vec::new()), &[CameraQuery::of(large)]);
     });
 }
 
+/// A world, and a query that sees it.
+fn small_world() -> (Snapshot, CameraQuery<'static>) {
+    let s = &mut stream("gpu/small", 1);
+    let world = snapshot(vec![soup_with_slivers(s, 50, 5.0, 3.0)], vec![instance(0, 1, Affine3A::IDENTITY)]);
+    (world, CameraQuery::of(camera_at(Vec3::new(-9.0, 0.0, 0.0), Vec3::X, 100, 60, 1.2)))
+}
+
 #[test]
-fn a_device_that_is_lost_leaves_the_rest_to_the_cpu() {
+fn a_device_that_is_lost_is_opened_again_once_for_a_renderer() {
     with_eyes(|eyes| {
-        let s = &mut stream("gpu/lost", 1);
-        let world = snapshot(vec![soup(s, 50, 5.0, 3.0)], vec![instance(0, 1, Affine3A::IDENTITY)]);
-        let mut ours = GpuRenderer::new(Arc::clone(eyes));
-        ours.prepare(&world.meshes).expect("keeps meshes");
-        let scene = ours.place(&world).expect("is prepared");
-        let query = [CameraQuery::of(camera_at(Vec3::new(-9.0, 0.0, 0.0), Vec3::X, 100, 60, 1.2))];
-        let before = scene.render(&query).expect("answers");
-        eyes.gpu().destroy();
-        let after = scene.render(&query).expect("falls back");
-        assert!(before == after && scene.render(&query).expect("falls back") == after);
-        assert_eq!(ours.seen(), Seen { by_gpu: 1, by_cpu: 2 });
+        let (world, query) = small_world();
+        let renderer = || {
+            let mut ours = GpuRenderer::new(Arc::clone(eyes));
+            ours.prepare(&world.meshes).expect("keeps meshes");
+            ours
+        };
+        let see = |ours: &GpuRenderer| {
+            ours.place(&world).expect("is prepared").render(&[query]).expect("falls back")
+        };
+        let (first, second, third) = (renderer(), renderer(), renderer());
+        let before = [see(&first), see(&second)].concat();
+        assert!(before[0] == before[1]);
+        for by_cpu in 1..=2 {
+            eyes.lose();
+            // What was in hand is the CPU's; the first loss is made good, the second is not.
+            for _ in 0..3 {
+                assert!(see(&first) == before[..1]);
+            }
+            let expected = [Answered { by_gpu: 3, by_cpu: 1 }, Answered { by_gpu: 3, by_cpu: 4 }];
+            assert_eq!(first.work().views, expected[by_cpu - 1]);
+        }
+        // Another renderer has lost its device with the first, and finds that it was given up.
+        assert!(see(&second) == before[..1] && see(&third) == before[..1]);
+        assert_eq!(second.work().views, Answered { by_gpu: 1, by_cpu: 1 });
+        assert_eq!(third.work().views, Answered { by_gpu: 0, by_cpu: 1 });
     });
+}
+
+#[test]
+fn what_does_not_fit_into_memory_is_seen_view_by_view_or_by_the_cpu() {
+    // Meshes of some 10 kB; a view of four tiles answers 98 kB, and these are there twice.
+    for (memory_kb, by_gpu) in [(1_000, 4), (250, 4), (120, 1), (60, 1), (40, 0), (3, 0)] {
+        let open = |adapter: &gpu::Adapter| gpu::eyes(adapter, Some(memory_kb * 1000));
+        with_each(open, |eyes| {
+            let (world, query) = small_world();
+            let small = CameraQuery::of(camera_at(Vec3::new(-9.0, 0.0, 0.0), Vec3::X, 60, 30, 1.2));
+            let (covered, seen) = compared(&eyes, &world, &[query, query, small, query]);
+            assert!(covered > 1000);
+            assert_eq!(seen, Answered { by_gpu, by_cpu: 4 - by_gpu }, "{memory_kb} kB");
+        });
+    }
 }

@@ -62,4 +62,4 @@ mod renderer;
 mod scene;
 
 pub use renderer::CpuRenderer;
-pub use scene::CpuScene;
+pub use scene::{Among, CpuScene, Placement, Placements};

@@ -55,17 +55,25 @@ struct Moment<'a> {
 /// A tree over nothing.
 static NOTHING: Bvh = Bvh { nodes: Vec::new(), order: Vec::new() };
 
+/// What the rays of some queries are followed through.
+pub struct Placements<'s> {
+    scene: &'s CpuScene<'s>,
+    moments: Vec<Moment<'s>>,
+}
+
 /// What rays are followed through: some of a list of instances.
-struct Placement<'p, 'a> {
-    placed: &'p [Option<Placed<'a>>],
-    among: Among<'p>,
+pub struct Placement<'p> {
+    /// The list; `None` where there is nothing to be met.
+    pub placed: &'p [Option<Placed<'p>>],
+    /// Which of it.
+    pub among: Among<'p>,
 }
 
 /// Which instances of a list, by their places in it.
-#[derive(Clone, Copy)]
-enum Among<'p> {
-    /// The leaves of some trees.
-    Trees(&'p [&'p Bvh]),
+#[derive(Clone, Copy, Debug)]
+pub enum Among<'p> {
+    /// The leaves of some trees, which may be empty.
+    Trees([&'p Bvh; 4]),
     /// Just these.
     Some(&'p [u32]),
 }
@@ -80,31 +88,8 @@ impl Scene for CpuScene<'_> {
     }
 
     fn trace(&self, queries: &[RayQuery<'_>]) -> Result<Vec<Hits>, RenderError> {
-        let mut before: Vec<f32> =
-            queries.iter().map(|query| query.before).filter(|before| *before != 0.0).collect();
-        before.sort_by(f32::total_cmp);
-        before.dedup_by_key(|before| before.to_bits());
-        let moment = |&before: &f32| {
-            self.moment(before, queries.iter().filter(|query| query.before.to_bits() == before.to_bits()))
-        };
-        let moments: Vec<Moment<'_>> = before.par_iter().map(moment).collect();
-        let answer = |query: &RayQuery<'_>| {
-            let moment = moments.iter().find(|moment| moment.is_of(query));
-            let (placed, trees) = match moment {
-                None => (&self.placed, [&self.tree, &self.cabins, &NOTHING, &NOTHING]),
-                Some(Moment { placed, moving, moving_cabins, split, .. }) => {
-                    (placed, [&split.still, &split.still_cabins, moving, moving_cabins])
-                }
-            };
-            let [all, cabins, moving, moving_cabins] = trees;
-            let among = match query.among {
-                Some(some) => Among::Some(some),
-                None if query.cabins => Among::Trees(&[all, moving, cabins, moving_cabins]),
-                None => Among::Trees(&[all, moving]),
-            };
-            Placement { placed, among }.trace(&query.rays)
-        };
-        Ok(queries.par_iter().map(answer).collect())
+        let placements = self.placements(queries);
+        Ok(queries.par_iter().map(|query| placements.of(query).trace(&query.rays)).collect())
     }
 
     fn beyond(&self, camera: &PinholeCamera, inner_px: f32, instances: &[u32]) -> Vec<u32> {
@@ -116,6 +101,19 @@ impl Scene for CpuScene<'_> {
 }
 
 impl CpuScene<'_> {
+    /// What the rays of queries are followed through.
+    #[must_use]
+    pub fn placements(&self, queries: &[RayQuery<'_>]) -> Placements<'_> {
+        let mut before: Vec<f32> =
+            queries.iter().map(|query| query.before).filter(|before| *before != 0.0).collect();
+        before.sort_by(f32::total_cmp);
+        before.dedup_by_key(|before| before.to_bits());
+        let moment = |&before: &f32| {
+            self.moment(before, queries.iter().filter(|query| query.before.to_bits() == before.to_bits()))
+        };
+        Placements { scene: self, moments: before.par_iter().map(moment).collect() }
+    }
+
     /// The instances at a moment before this frame, as far as rays asked about it may meet them.
     fn moment<'q>(&self, before: f32, queries: impl Iterator<Item = &'q RayQuery<'q>> + Clone) -> Moment<'_> {
         let split = self.split.get_or_init(|| self.split());
@@ -141,6 +139,27 @@ impl CpuScene<'_> {
         let moving = moved(&split.moving);
         let moving_cabins = if with_cabins { moved(&split.moving_cabins) } else { Bvh::default() };
         Moment { before, placed, split, moving, moving_cabins }
+    }
+}
+
+impl Placements<'_> {
+    /// What the rays of a query are followed through, which was among those asked about.
+    #[must_use]
+    pub fn of<'p>(&'p self, query: &RayQuery<'p>) -> Placement<'p> {
+        let moment = self.moments.iter().find(|moment| moment.is_of(query));
+        let (placed, trees) = match moment {
+            None => (&self.scene.placed, [&self.scene.tree, &self.scene.cabins, &NOTHING, &NOTHING]),
+            Some(Moment { placed, moving, moving_cabins, split, .. }) => {
+                (placed, [&split.still, &split.still_cabins, moving, moving_cabins])
+            }
+        };
+        let [all, cabins, moving, moving_cabins] = trees;
+        let among = match query.among {
+            Some(some) => Among::Some(some),
+            None if query.cabins => Among::Trees([all, moving, cabins, moving_cabins]),
+            None => Among::Trees([all, moving, &NOTHING, &NOTHING]),
+        };
+        Placement { placed, among }
     }
 }
 
@@ -248,7 +267,7 @@ fn place<'a>(meshes: &'a Meshes, instance: &Instance) -> Option<Placed<'a>> {
     (!mesh.bvh.nodes.is_empty() && pose.is_finite()).then(|| Placed::new((instance.mesh, mesh), pose))
 }
 
-impl Placement<'_, '_> {
+impl Placement<'_> {
     fn trace(&self, batch: &RayBatch<'_>) -> Hits {
         let mut hits = Hits::none(batch.directions.len());
         hits.t

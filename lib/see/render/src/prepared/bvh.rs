@@ -51,6 +51,20 @@ impl obvhs::Boundable for Boxed {
 }
 
 impl Bvh {
+    /// How many nodes lie between the root and the one farthest below it.
+    #[must_use]
+    pub fn depth(&self) -> u32 {
+        let mut depth = vec![0u32; self.nodes.len()];
+        for (at, node) in self.nodes.iter().enumerate() {
+            // Children come after their parents.
+            if node.child != 0 {
+                let (child, below) = (node.child as usize, depth[at] + 1);
+                depth[child..child + 2].fill(below);
+            }
+        }
+        depth.into_iter().max().unwrap_or(0)
+    }
+
     /// Builds a tree; the boxes must be finite and not empty.
     pub(crate) fn build(boxes: &[Aabb], params: BvhBuildParams) -> Self {
         if boxes.is_empty() {

@@ -15,6 +15,6 @@ pub(crate) use bvh::{QUICK, Stack};
 pub use meshes::{BLOCK, Block, MeshData, Meshes};
 pub use outline::reciprocal;
 pub(crate) use outline::{Outlines, Vectors, inside, near_reciprocal, reciprocal_f64};
-pub(crate) use placed::Placed;
+pub use placed::Placed;
 pub(crate) use tiles::is_within;
 pub use tiles::{TILE_HEIGHT, TILE_WIDTH, TiledView, ViewedInstance};

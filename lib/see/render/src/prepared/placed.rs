@@ -6,13 +6,17 @@ use crate::prepared::meshes::MeshData;
 
 /// One instance that can be seen.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed<'a> {
-    pub(crate) mesh: &'a MeshData,
-    pub(crate) mesh_number: u32,
+pub struct Placed<'a> {
+    /// Its mesh.
+    pub mesh: &'a MeshData,
+    /// The mesh's number.
+    pub mesh_number: u32,
     /// Whether something stands behind its panes.
     pub(crate) has_cabin: bool,
-    pub(crate) rotation: Mat3,
-    pub(crate) translation: Vec3,
+    /// How it is turned: from its own frame into the local one.
+    pub rotation: Mat3,
+    /// Where its origin is in the local frame, metres.
+    pub translation: Vec3,
 }
 
 impl<'a> Placed<'a> {

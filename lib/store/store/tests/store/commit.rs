@@ -495,8 +495,10 @@ fn two_processes_of_one_mind_agree(bench: &Bench) {
 
 /// A build with a program of this digest.
 fn built(commit: Option<&str>, program: &str) -> Identity {
-    let made_by =
-        MadeBy { release: "1".into(), commit: commit.map(str::to_owned), program: program.to_owned() };
+    let commit = commit.map(str::to_owned);
+    // Each by another device.
+    let device = Some(format!("device {program}"));
+    let made_by = MadeBy { release: "1".into(), commit, program: program.to_owned(), device };
     Identity { made_by: Some(made_by), ..identity("c") }
 }
 
