@@ -82,7 +82,7 @@ struct Row {
 }
 
 fn main() {
-    let settings = settings::parse(&config(), "bench").expect("the configuration is valid");
+    let settings = settings::parse(CONFIG, "bench").expect("the configuration is valid");
     let network = town::generate(&town::named("convoy/demo").expect("is named")).expect("is generated");
     let map = Map::new(network);
     let mut maps = BTreeMap::from([("convoy/demo".to_owned(), PlanMap { map, hash: String::new() })]);
@@ -131,17 +131,6 @@ fn main() {
     let mut rows = Vec::new();
     roads::measure(&mut rows);
     print_roads(&rows);
-}
-
-/// The configuration; `CONVOY_BENCH_CAMERA=320x180` makes pictures of another size, for devices in software.
-fn config() -> String {
-    let size = std::env::var("CONVOY_BENCH_CAMERA").unwrap_or_default();
-    match size.split_once('x') {
-        Some((width, height)) => {
-            format!("{CONFIG}[vehicle]\ncamera = {{ width = {width}, height = {height} }}\n")
-        }
-        None => CONFIG.to_owned(),
-    }
 }
 
 /// Steps per second against real time, with all the traffic that fits.
