@@ -76,7 +76,12 @@ fn world(stream: &mut Stream) -> Snapshot {
         let there = instance(1 + u32::from(i) % 4, 2 + i, now);
         instances.push(Instance { previous_local_from_object, ..there });
     }
-    let cabins = (0..12u16).map(|i| instance(1, 2 + 4 * i, pose(stream, 30.0))).collect();
+    let mut cabin = |i: u16| {
+        let now = pose(stream, 30.0);
+        let previous_local_from_object = Affine3A::from_translation(Vec3::X * f32::from(i % 2)) * now;
+        Instance { previous_local_from_object, ..instance(1, 2 + 4 * i, now) }
+    };
+    let cabins = (0..24u16).map(&mut cabin).collect();
     Snapshot { cabins, ..snapshot(meshes, instances) }
 }
 
