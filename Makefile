@@ -236,9 +236,9 @@ soak:
 lint:
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
-	@if $(TYPOS) --version >/dev/null 2>&1; then $(TYPOS); \
+	@if typos=$$($(TYPOS) --version 2>&1); then $(TYPOS); \
 		else echo "note: spelling is not checked without typos (pip install typos)"; fi
-	@if $(CARGO) deny --version >/dev/null 2>&1; then $(CARGO) deny --offline check bans licenses sources; \
+	@if deny=$$($(CARGO) deny --version 2>&1); then $(CARGO) deny --offline check bans licenses sources; \
 		else echo "note: licences are not checked without cargo-deny (cargo install --locked cargo-deny)"; fi
 
 # Seconds per agent-frame: each part beside its budget, then whole stages with writing and memory. bench-kernels: every crate's own
