@@ -33,6 +33,7 @@ mod sensor_changes;
 mod shell;
 mod slips;
 mod suspicions;
+mod tasks;
 mod towns;
 mod view;
 mod weather;

@@ -4,14 +4,11 @@
 //! Run by `make bench` on the release build: the programs themselves make scenes of a second with the full
 //! default suite on two threads. Numbers mean something on an idle machine only.
 
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::path::PathBuf;
 
+use convoy_tests::measured::run;
 use runner::{Graph, UnitKind};
 
-/// Clock ticks a second in `/proc` (fixed on Linux).
-const TICKS: f64 = 100.0;
 /// Frames of a scene of one second.
 const FRAMES: f64 = 20.0;
 
@@ -51,50 +48,6 @@ impl Kind {
     }
 }
 
-/// What a program took.
-struct Taken {
-    wall_s: f64,
-    cpu_s: f64,
-    peak_mb: f64,
-}
-
-/// Processor seconds of all programs that ended.
-fn children_s() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // Behind the name in brackets, which may hold anything: user and system time of children are the 14th and
-    // 15th.
-    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
-    let ticks = |i: usize| fields.get(i).and_then(|f| f.parse::<f64>().ok()).unwrap_or(0.0);
-    (ticks(13) + ticks(14)) / TICKS
-}
-
-/// Most memory that a running program had so far, megabytes.
-fn peak_mb(child: &Child) -> Option<f64> {
-    let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    line.split_whitespace().next()?.parse::<f64>().ok().map(|kib| kib * 1024.0 / 1e6)
-}
-
-fn run(program: &Path, arguments: &[&str]) -> Taken {
-    let (before_s, start) = (children_s(), Instant::now());
-    let mut child = Command::new(program)
-        .args(arguments)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("the program starts");
-    let mut most_mb: f64 = 0.0;
-    let status = loop {
-        most_mb = most_mb.max(peak_mb(&child).unwrap_or(0.0));
-        if let Some(status) = child.try_wait().expect("the program is ours") {
-            break status;
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    };
-    assert!(status.success(), "{} failed", program.display());
-    Taken { wall_s: start.elapsed().as_secs_f64(), cpu_s: children_s() - before_s, peak_mb: most_mb }
-}
-
 #[expect(clippy::print_stdout, reason = "this is the benchmark's answer")]
 fn main() {
     let maps: PathBuf = convoy_tests::workspace().join("../shared/maps/carla");
@@ -116,13 +69,13 @@ fn main() {
         if !map.contains('/') {
             arguments.extend(["--maps", &maps]);
         }
-        run(&convoy_tests::program("spawn-planner"), &arguments);
+        let _ = run("spawn-planner", &arguments);
         let (mut wall_s, mut cpu_s) = (0.0, 0.0);
         let frames = f64::from(*agents) * FRAMES;
         let of_scenes = Graph::get().stages.iter().filter(|stage| stage.unit == UnitKind::Scene);
         for stage in of_scenes.map(|stage| stage.name) {
-            let taken = run(&convoy_tests::program(stage), &arguments);
-            let (wall, cpu) = (taken.wall_s / frames, taken.cpu_s / frames);
+            let taken = run(stage, &arguments);
+            let (wall, cpu) = (taken.wall_s / frames, taken.core_s / frames);
             println!("| {scene} | {stage} | {wall:.4} | {cpu:.4} | {:.0} |", taken.peak_mb);
             // The simulation is shared by all agents of a scene.
             if stage != "simulate-and-log" {

@@ -1,5 +1,7 @@
 //! Helpers for tests across stages: where the programs are, how to run them, what a store holds.
 
+pub mod measured;
+
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -6,6 +6,7 @@ mod models;
 mod trajectories;
 mod trajectory_file;
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -212,15 +213,19 @@ fn before(store: &Store) -> BTreeMap<u32, (String, String)> {
 /// Numbers for the scenes of the settings: those of an earlier plan of this store stand.
 fn enrol(store: &Store, settings: &PlanSettings) -> Result<Roster, StageError> {
     let existing: Vec<SceneSlot> = store.read_json(keys::ROSTER)?.unwrap_or_default();
-    let mut made = Vec::new();
-    for slot in &existing {
+    let unreadable = RefCell::new(None);
+    let is_made = |scene| match store.backend().keys(&Scope::Scene(scene).folder()) {
         // The record of a failure is nothing to keep.
-        let files = store.backend().list(&Scope::Scene(slot.scene).folder())?;
-        if files.iter().any(|key| !key.ends_with(".failed.json")) {
-            made.push(slot.scene);
+        Ok(files) => files.iter().any(|key| !key.ends_with(".failed.json")),
+        Err(error) => {
+            unreadable.replace(Some(error));
+            true
         }
+    };
+    let roster = plan::enrol(settings, &existing, &is_made).at(Place::default)?;
+    if let Some(error) = unreadable.into_inner() {
+        return Err(error.into());
     }
-    let roster = plan::enrol(settings, &existing, &|scene| made.contains(&scene)).at(Place::default)?;
     let newest = settings.edition();
     if newest > 0 && roster.slots.iter().all(|slot| slot.edition != newest) {
         return Err(StageError::usage(RosterError::NothingToGrow { scenes: roster.slots.len() }));

@@ -9,12 +9,16 @@ use analysis::{
     DatasetFacts, GroupTotals, MadeBy, MeasureTotals, PUBLISHED_PAGE, SceneCard, compute_tables,
     dataset_card, draw_figures, published_html, report_html, to_csv,
 };
-use runner::{At, Graph, Job, Place, Stage, StageError, StageSpec, UnitKind};
+use rayon::prelude::*;
+use runner::{At, Graph, Job, Place, Stage, StageError};
 use scene::SceneReader;
 use schema::scene_info::{self, SceneInfo};
 use schema::tables::PartialRow;
 use settings::stages::StatisticsSettings;
-use store::{Manifest, keys};
+use store::{Manifest, Store, keys};
+
+/// So many scenes are read side by side.
+const AT_ONCE: usize = 64;
 
 /// The dataset's card, where people and sites that keep datasets look for it.
 const CARD: &str = "README.md";
@@ -28,8 +32,7 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     let kinds = store::kind_names(&store::scene_kinds(&store)?);
     let progress = job.progress();
     progress.set_total(planned.len() as u64);
-    let done = done_stages(job, &planned)?;
-    let covered = covered(&done);
+    let covered = covered(job.done_stages());
     if covered.len() < planned.len() {
         let (covered, planned) = (covered.len(), planned.len());
         tracing::warn!("statistics of {covered} of {planned} scenes: the others are not finished");
@@ -38,25 +41,18 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     let mut groups = GroupTotals::default();
     let mut scenes: Vec<SceneInfo> = Vec::new();
     let mut cards: Vec<(SceneCard, Option<Vec<u8>>)> = Vec::new();
-    for (scene, manifests) in &covered {
-        let folder = keys::scene(*scene, "stats/");
-        let mut counted = MeasureTotals::default();
-        for manifest in *manifests {
-            for output in manifest.outputs.iter().filter(|o| o.key.starts_with(&folder)) {
-                counted.add(&store.read_rows::<PartialRow>(manifest, &output.key)?);
+    for some in covered.chunks(AT_ONCE) {
+        let read = some.par_iter().map(|(scene, manifests)| of_scene(&store, *scene, manifests));
+        for ((scene, _), of_scene) in some.iter().zip(read.collect::<Result<Vec<_>, StageError>>()?) {
+            counts.merge(&of_scene.counted);
+            if let Some((info, picture)) = of_scene.described {
+                let kind = kinds.get(scene).map_or("", String::as_str);
+                cards.push((cards::card(&info, kind, picture.is_some()), picture));
+                groups.add(&info, kind, &of_scene.counted);
+                scenes.push(info);
             }
+            progress.advance(1)?;
         }
-        counts.merge(&counted);
-        if manifests.iter().any(|m| m.stage == scene_info::LOG_STAGE) {
-            let reader = SceneReader::new(&store, *scene, manifests.iter().cloned());
-            let info = reader.info().at(|| Place::scene(*scene))?;
-            let picture = cards::picture(&reader, &info).at(|| Place::scene(*scene))?;
-            let kind = kinds.get(scene).map_or("", String::as_str);
-            cards.push((cards::card(&info, kind, picture.is_some()), picture));
-            groups.add(&info, kind, &counted);
-            scenes.push(info);
-        }
-        progress.advance(1)?;
     }
 
     let settings = job.settings().clone();
@@ -94,6 +90,31 @@ fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     Ok(())
 }
 
+/// What statistics read of a scene.
+struct OfScene {
+    counted: MeasureTotals,
+    /// Its description, and a small picture; none where it was not simulated.
+    described: Option<(SceneInfo, Option<Vec<u8>>)>,
+}
+
+fn of_scene(store: &Store, scene: u32, manifests: &[Manifest]) -> Result<OfScene, StageError> {
+    let folder = keys::scene(scene, "stats/");
+    let mut counted = MeasureTotals::default();
+    for manifest in manifests {
+        for output in manifest.outputs.iter().filter(|o| o.key.starts_with(&folder)) {
+            counted.add(&store.read_rows::<PartialRow>(manifest, &output.key)?);
+        }
+    }
+    let mut described = None;
+    if manifests.iter().any(|manifest| manifest.stage == scene_info::LOG_STAGE) {
+        let reader = SceneReader::new(store, scene, manifests.iter().cloned());
+        let info = reader.info().at(|| Place::scene(scene))?;
+        let picture = cards::picture(&reader, &info).at(|| Place::scene(scene))?;
+        described = Some((info, picture));
+    }
+    Ok(OfScene { counted, described })
+}
+
 /// The code that made the scenes.
 fn made_by(covered: &[(u32, &[Manifest])]) -> MadeBy {
     let manifests = || covered.iter().flat_map(|(_, manifests)| manifests.iter());
@@ -106,21 +127,6 @@ fn made_by(covered: &[(u32, &[Manifest])]) -> MadeBy {
         format: schema::FORMAT_VERSION,
         stages: stages.filter(|(_, codes): &(String, BTreeSet<String>)| !codes.is_empty()).collect(),
     }
-}
-
-/// The manifests of the stages of scenes that are done, by scene: any of them may leave partial counts.
-fn done_stages(
-    job: &Job<'_, StatisticsSettings>,
-    planned: &[u32],
-) -> Result<BTreeMap<u32, Vec<Manifest>>, StageError> {
-    let stages = Graph::get().stages.iter().filter(|s| s.unit == UnitKind::Scene);
-    let stages: Vec<&'static StageSpec> = stages.collect();
-    let mut done = BTreeMap::new();
-    for &scene in planned {
-        let manifests = stages.iter().map(|stage| job.manifest_if_done(stage, scene));
-        done.insert(scene, manifests.filter_map(Result::transpose).collect::<Result<Vec<_>, _>>()?);
-    }
-    Ok(done)
 }
 
 /// The scenes that every stage has done that has done any: tables of different stages speak of the same

@@ -66,7 +66,7 @@ fn join(place: &Path, others: &[PathBuf], is_mixed: bool) -> Result<(), Fault> {
             let largest = others.iter().max_by_key(|other| other.plan.sections.len());
             let Some(largest) = largest else { return Ok(()) };
             let into = Store::open(place)?;
-            if into.backend().list("")?.iter().any(|key| !keys::is_lock(key)) {
+            if into.backend().keys("")?.iter().any(|key| !keys::is_lock(key)) {
                 let why = "holds files, but no plan; give an empty folder, or a store of the same plan";
                 return Err(Fault::Refused(format!("{}: {why}", place.display())));
             }

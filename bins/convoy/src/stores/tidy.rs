@@ -34,7 +34,7 @@ fn tidied(store: &Path) -> Result<(usize, u64), StageError> {
 fn remove_unused(store: &Store) -> Result<(usize, u64), StoreError> {
     let manifest_name = format!("/_manifests/{LOG_STAGE}.json");
     let mut used = BTreeSet::new();
-    for key in store.backend().list("scenes")? {
+    for key in store.backend().keys("scenes")? {
         let number = key.strip_prefix("scenes/").and_then(|rest| rest.strip_suffix(&manifest_name));
         let Some(scene) = number.and_then(|number| number.parse().ok()) else { continue };
         let Some(manifest) = store.manifest(Scope::Scene(scene), LOG_STAGE)? else { continue };
@@ -46,7 +46,7 @@ fn remove_unused(store: &Store) -> Result<(usize, u64), StoreError> {
         }
     }
     let (mut tiles, mut bytes) = (BTreeSet::new(), 0);
-    for key in store.backend().list("tiles")? {
+    for key in store.backend().keys("tiles")? {
         let folder: Vec<&str> = key.split('/').take(3).collect();
         let folder = folder.join("/");
         if !used.contains(&folder) {

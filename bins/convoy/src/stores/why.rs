@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use runner::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, EditionWish, Editions, Graph, Programs, StageError, State,
-    Status, Suspicious, UnitKind, planned_scenes, say, settings_or_faults,
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, EditionWish, Graph, Programs, StageError, State, Status,
+    Suspicious, UnitKind, planned_scenes, say, settings_or_faults,
 };
 use store::{Scope, Store};
 
-use super::status::open_import;
+use super::status::opened;
 
-/// Prints the chain of a stage of a scene; the exit code is 0 where it is done. Only stores of imports need
-/// no configuration.
+/// Prints the chain of a stage of a scene; the exit code is 0 where it is done. Without a configuration it is
+/// told by the newest that the store was planned by.
 pub(crate) fn why(
     config: Option<&Path>,
     (store, wish): (&Path, EditionWish),
@@ -23,15 +23,8 @@ pub(crate) fn why(
         Some(settings) => settings,
         None => None,
     };
-    let told = || -> Result<bool, StageError> {
-        let (store, editions) = match &settings {
-            Some(settings) => {
-                let store = Store::open(store)?;
-                let editions = Editions::of_store(&store, settings, wish)?;
-                (store, Some(editions))
-            }
-            None => (open_import(store)?, None),
-        };
+    let told = move || -> Result<bool, StageError> {
+        let (store, editions) = opened(settings, store, wish)?;
         let editions = editions.as_ref();
         let (stage, scene) = (stage_of(asked.1)?, scene_of(&store, asked.0)?);
         let scope = match stage.unit {

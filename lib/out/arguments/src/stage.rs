@@ -17,9 +17,10 @@ use crate::device::DeviceArgs;
                   again)."
 )]
 pub struct StageArgs {
-    /// Dataset configuration (TOML, or YAML of SimBEV2X).
+    /// Dataset configuration (TOML, or YAML of SimBEV2X). All stages but the planner do without: the store
+    /// has the one that it was planned by.
     #[arg(long, value_name = "FILE")]
-    config: PathBuf,
+    config: Option<PathBuf>,
     /// The store: a folder, by its path or as file:///FOLDER.
     #[arg(long, value_name = "DIR")]
     store: PathBuf,
@@ -29,8 +30,8 @@ pub struct StageArgs {
     /// Only these scenes, such as 0,3,5-9 (default: all).
     #[arg(long, value_name = "LIST", conflicts_with = "shard")]
     scenes: Option<SceneList>,
-    /// Every n-th scene from the i-th, i from 0. With only N, i comes from SLURM_ARRAY_TASK_ID or
-    /// JOB_COMPLETION_INDEX.
+    /// One of N shares of the scenes that take about as long, I from 0: nobody is asked, and a plan of other
+    /// versions of stages is refused. With only N, I comes from SLURM_ARRAY_TASK_ID or JOB_COMPLETION_INDEX.
     #[arg(long, value_name = "[I/]N")]
     shard: Option<Shard>,
     /// Keep planned scenes as they are: scenes that the configuration asks for beyond them are an edition of

@@ -64,7 +64,7 @@ pub struct Roster {
 type Wish<'a> = (&'a str, Split, &'a str, u32);
 
 /// Gives every wished-for scene a number. `existing` are the slots of an earlier roster and `is_made` says
-/// whether anything was made of one of them.
+/// whether anything was made of one of them; it is asked where there are more than are wished for.
 ///
 /// Existing scenes of any edition count against the wish for their group, split and map and keep their
 /// numbers and editions. What is missing is of the newest edition and numbered from one past the highest:
@@ -90,7 +90,9 @@ pub fn enrol(
     for (group, split, map, wanted) in wishes(settings) {
         let mut here = of.remove(&(split, group, map)).unwrap_or_default();
         // A scene that was made is kept rather than one that is only planned, and the newest edition's first.
-        here.sort_by_key(|slot| (!is_made(slot.scene), slot.edition != settings.edition(), slot.scene));
+        if here.len() > wanted as usize {
+            here.sort_by_key(|slot| (!is_made(slot.scene), slot.edition != settings.edition(), slot.scene));
+        }
         let surplus = here.split_off(here.len().min(wanted as usize));
         missing.push((group, split, map, wanted - here.len() as u32));
         roster.slots.extend(here.into_iter().cloned());

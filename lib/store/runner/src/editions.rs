@@ -76,6 +76,12 @@ pub enum EditionError {
         /// The given edition.
         given: usize,
     },
+    /// No configuration is recorded.
+    #[error("{place}: has no configuration that the store was planned by: give --config FILE")]
+    NotRecorded {
+        /// The record.
+        place: String,
+    },
     /// The store cannot be read.
     #[error(transparent)]
     Store(#[from] StoreError),
@@ -303,6 +309,18 @@ pub fn recorded(store: &Store) -> Result<Vec<Value>, StoreError> {
         Some(Value::Array(editions)) if !editions.is_empty() => editions,
         _ => config.into_iter().collect(),
     })
+}
+
+/// The newest configuration that a store was planned by.
+///
+/// # Errors
+/// The store cannot be read, has no configuration, or one of another release.
+pub fn newest_recorded(store: &Store) -> Result<DatasetSettings, EditionError> {
+    let place = store.location(keys::DATASET);
+    let recorded = recorded(store)?;
+    let Some(newest) = recorded.last() else { return Err(EditionError::NotRecorded { place }) };
+    let number = recorded.len() - 1;
+    read_back(newest).map_err(|problem| EditionError::Unreadable { place, number, problem })
 }
 
 /// A configuration as a record has it.

@@ -8,7 +8,7 @@ use store::StoreError;
 
 use crate::editions::EditionError;
 use crate::seen::ViewError;
-use crate::status::{NotReady, StateError};
+use crate::state::{NotReady, StateError};
 use crate::{EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE};
 
 /// Why the work of a scope ended early.

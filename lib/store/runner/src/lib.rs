@@ -4,7 +4,9 @@
 //! [`run_stage`], which reads the configuration, decides which scenes need work, runs them with their
 //! failures kept apart, and turns the outcome into an exit code.
 
+mod agreement;
 mod code_version;
+mod costs;
 mod editions;
 mod error;
 pub mod forecast;
@@ -16,22 +18,29 @@ mod interrupt;
 mod lock;
 mod options;
 mod output_file;
+mod overview;
 mod prepared;
 mod programs;
 mod progress;
 mod question;
+mod record;
 mod runner;
 mod seen;
 mod shards;
+mod shares;
 mod stage;
+mod state;
 mod status;
+mod survey;
 mod suspicions;
+mod task;
 mod views;
 mod why;
 
 pub use code_version::code_version;
 pub use editions::{
-    EditionError, EditionWish, Editions, record_of_group, recorded as recorded_editions, rules_of_record,
+    EditionError, EditionWish, Editions, newest_recorded, record_of_group, recorded as recorded_editions,
+    rules_of_record,
 };
 pub use error::{At, Place, StageError, report};
 pub use foresight::Foresight;
@@ -40,14 +49,19 @@ pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
 pub use lock::{hold_alone, hold_for_all_stages};
 pub use options::{DeviceOptions, ProgressMode, SceneList, Shard, StageOptions};
 pub use output_file::OutputFile;
+pub use overview::{Overview, overview};
 pub use prepared::Prepared;
 pub use programs::{Programs, STAMP_LEN};
 pub use progress::Progress;
 pub use runner::{init_logging, run_stage, say};
 pub use seen::{IsRead, MadeFrom, StageSettings, ViewError};
+pub use shares::scenes_of as scenes_of_share;
 pub use stage::{Forecast, Job, Open, Outlook, Sections, Stage, Suspicions};
-pub use status::{NotReady, Staleness, State, StateError, Status, planned_scenes};
+pub use state::{NotReady, Staleness, State, StateError};
+pub use status::{Status, planned_scenes};
+pub use survey::{Survey, scene_stages};
 pub use suspicions::{Suspicious, settings_or_faults};
+pub use task::{TaskRules, planned_work, task};
 pub use views::config_hash;
 pub use why::why;
 
@@ -57,6 +71,8 @@ pub const EXIT_DONE: u8 = 0;
 pub const EXIT_SOME_FAILED: u8 = 1;
 /// Exit code: bad arguments or configuration.
 pub const EXIT_USAGE: u8 = 2;
+/// Exit code: the system killed a stage, mostly because memory ran out; another try may end alike.
+pub const EXIT_KILLED: u8 = 137;
 /// Exit code: stopped by a signal, or because the store cannot be written (a full disk) or is held by others;
 /// worth another try.
 pub const EXIT_TRY_AGAIN: u8 = 75;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use settings::DatasetSettings;
 use store::{Holder, Lock, LockEvents, Pace, Store, StoreError, Work};
 
+use crate::editions;
 use crate::error::StageError;
 use crate::interrupt;
 
@@ -35,11 +36,13 @@ pub(crate) fn hold(
 ///
 /// # Errors
 /// Somebody works by another configuration, the store cannot be read or written, or a signal came.
-pub fn hold_for_all_stages(config: &Path, store: &Path) -> Result<Option<Lock>, StageError> {
-    let (Ok((settings, _)), Ok(store)) = (settings::load(config), Store::open(store)) else {
-        return Ok(None);
+pub fn hold_for_all_stages(config: Option<&Path>, store: &Path) -> Result<Option<Lock>, StageError> {
+    let Ok(store) = Store::open(store) else { return Ok(None) };
+    let settings = match config {
+        Some(config) => settings::load(config).ok().map(|(settings, _)| settings),
+        None => editions::newest_recorded(&store).ok(),
     };
-    hold(&store, &settings, "convoy run")
+    settings.map_or(Ok(None), |settings| hold(&store, &settings, "convoy run"))
 }
 
 /// Holds a store for work that goes together with no other.

@@ -7,8 +7,8 @@ use crate::editions::EditionWish;
 /// What a stage is told when it starts; `arguments::stage` reads it from a command line.
 #[derive(Clone, Debug)]
 pub struct StageOptions {
-    /// Dataset configuration (TOML, or YAML of SimBEV2X).
-    pub config: PathBuf,
+    /// Dataset configuration (TOML, or YAML of SimBEV2X); none: the newest that the store was planned by.
+    pub config: Option<PathBuf>,
     /// The store: a folder, by its path or as file:///FOLDER.
     pub store: PathBuf,
     /// Folder with OpenDRIVE files for maps that the configuration names.
@@ -89,6 +89,15 @@ impl SceneList {
     }
 }
 
+impl std::fmt::Display for SceneList {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let range = |&(first, last): &(u32, u32)| {
+            if first == last { first.to_string() } else { format!("{first}-{last}") }
+        };
+        f.write_str(&self.0.iter().map(range).collect::<Vec<_>>().join(","))
+    }
+}
+
 impl std::str::FromStr for SceneList {
     type Err = String;
 
@@ -114,27 +123,43 @@ pub struct Shard {
     pub count: u32,
 }
 
-impl Shard {
-    /// Whether the n-th scene of a list is in this share.
-    #[must_use]
-    pub fn contains(&self, position: usize) -> bool {
-        position % self.count as usize == self.index as usize
-    }
-}
-
 impl std::str::FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        Self::parse(text, |variable| std::env::var(variable).ok())
+    }
+}
+
+/// What engines call the number of a task, from 0.
+const INDEX_VARIABLES: [&str; 2] = ["SLURM_ARRAY_TASK_ID", "JOB_COMPLETION_INDEX"];
+
+impl Shard {
+    /// From `I/N`, or from `N` with the index in the environment.
+    fn parse(text: &str, variable: impl Fn(&str) -> Option<String>) -> Result<Self, String> {
         let number = |t: &str| t.trim().parse::<u32>().map_err(|_| format!("`{t}` is no number"));
         let (index, count) = match text.split_once('/') {
             Some((index, count)) => (number(index)?, number(count)?),
             None => {
-                let variables = ["SLURM_ARRAY_TASK_ID", "JOB_COMPLETION_INDEX"];
-                let index = variables.iter().find_map(|v| std::env::var(v).ok()).ok_or(
-                    "expected I/N, or N with SLURM_ARRAY_TASK_ID or JOB_COMPLETION_INDEX in the environment",
-                )?;
-                (number(&index)?, number(text)?)
+                let count = number(text)?;
+                let mut found: Vec<(&str, u32)> = Vec::new();
+                for name in INDEX_VARIABLES {
+                    if let Some(value) = variable(name) {
+                        found.push((name, number(&value).map_err(|why| format!("{name}: {why}"))?));
+                    }
+                }
+                match found[..] {
+                    [] => {
+                        return Err(format!(
+                            "expected I/N, or N with {} in the environment",
+                            INDEX_VARIABLES.join(" or ")
+                        ));
+                    }
+                    [(one, index), (other, another)] if index != another => {
+                        return Err(format!("{one} is {index} and {other} is {another}: give I/N"));
+                    }
+                    [(_, index), ..] => (index, count),
+                }
             }
         };
         if index >= count {
@@ -161,16 +186,26 @@ mod tests {
     }
 
     #[test]
-    fn shards_cover_everything_once() {
-        for n in 1..5 {
-            for position in 0..20 {
-                let holders = (0..n)
-                    .filter(|i| format!("{i}/{n}").parse::<Shard>().expect("parses").contains(position))
-                    .count();
-                assert_eq!(holders, 1);
-            }
+    fn shares_are_named_by_both_numbers_or_by_the_environment() {
+        assert_eq!("2/3".parse(), Ok(Shard { index: 2, count: 3 }));
+        for wrong in ["3/3", "0/0", "-1/3", "1/", "a"] {
+            assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
         }
-        assert!("3/3".parse::<Shard>().is_err());
-        assert!("0/0".parse::<Shard>().is_err());
+        let of = |slurm: &'static str, kubernetes: &'static str| {
+            let value = move |name: &str| if name.starts_with("SLURM") { slurm } else { kubernetes };
+            Shard::parse("4", move |name| Some(value(name).to_owned()).filter(|value| !value.is_empty()))
+        };
+        assert_eq!(of("1", ""), Ok(Shard { index: 1, count: 4 }));
+        assert_eq!(of("", "2"), Ok(Shard { index: 2, count: 4 }));
+        assert_eq!(of("3", "3"), Ok(Shard { index: 3, count: 4 }));
+        insta::assert_snapshot!(
+            [of("", ""), of("1", "2"), of("4", ""), of("x", "")].map(|shard| shard.expect_err("is refused")).join("\n"),
+            @"
+        expected I/N, or N with SLURM_ARRAY_TASK_ID or JOB_COMPLETION_INDEX in the environment
+        SLURM_ARRAY_TASK_ID is 1 and JOB_COMPLETION_INDEX is 2: give I/N
+        share 4 of 4: shares count from 0 to 3
+        SLURM_ARRAY_TASK_ID: `x` is no number
+        "
+        );
     }
 }

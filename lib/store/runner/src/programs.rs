@@ -8,6 +8,8 @@ use std::sync::{Mutex, PoisonError};
 use memchr::memmem;
 use store::MadeBy;
 
+use crate::graph::{Graph, stated_versions};
+
 /// The stamp that a build writes into its programs: a name, the commit (spaces where there is none), `+` for
 /// a build of just this commit.
 const STAMP_NAME: &[u8] = b"\0convoy-build-stamp\0";
@@ -63,6 +65,7 @@ impl Programs {
             release: env!("CARGO_PKG_VERSION").to_owned(),
             commit: self.commit.clone(),
             program: self.digest(stage).unwrap_or_default(),
+            versions: if stage == Graph::get().planner().name { versions() } else { BTreeMap::new() },
             device: None,
         }
     }
@@ -75,6 +78,11 @@ impl Programs {
         }
         self.digest(stage).is_none_or(|program| program == then.program)
     }
+}
+
+/// The versions of all stages of this build.
+fn versions() -> BTreeMap<String, String> {
+    stated_versions().iter().map(|(stage, version)| ((*stage).to_owned(), version.to_string())).collect()
 }
 
 /// BLAKE3 of a program's file without its stamp and the linker's digest of the file, or none when it cannot

@@ -1,30 +1,34 @@
 //! What every stage binary does around its work.
 
+mod foreseen;
+mod records;
+
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Instant;
 
-use serde::Serialize;
-use settings::{DatasetSettings, Fault};
-use store::{Attempt, Failure, Identity, MadeBy, Manifest, Scope, Store, keys};
+use store::{Attempt, Failure, Identity, MadeBy, Scope, Store, keys};
 
 use crate::editions::{self, Editions};
 use crate::error::StageError;
-use crate::foresight::{Blame, Foresight, Intent};
 use crate::graph::{Graph, StageSpec, UnitKind};
-use crate::imported::{self, is_imported};
-use crate::options::{DeviceOptions, ProgressMode, StageOptions};
+use crate::imported::is_imported;
+use crate::options::{DeviceOptions, ProgressMode, Shard, StageOptions};
 use crate::prepared::Prepared;
 use crate::programs::{Programs, STAMP_LEN};
 use crate::progress::Progress;
-use crate::question::confirmed;
-use crate::seen::{StageSettings, ViewError};
+use crate::seen::{StageSettings, of_scope};
+use crate::shards::Part;
 use crate::stage::{Job, Outlook, Stage};
-use crate::status::{CodeRule, SOURCE, Staleness, State, Status, manifest_or_stale, planned_scenes};
+use crate::state::{CodeRule, SOURCE, Staleness, State};
+use crate::status::{Known, Status};
+use crate::survey::Survey;
 use crate::suspicions::{Suspicious, settings_or_faults};
+use crate::task::{no_plan, share, versions_agree};
 use crate::views::config_hash;
 use crate::{EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, interrupt, lock};
 
@@ -95,8 +99,15 @@ fn try_run<S: StageSettings>(
         .ok_or_else(|| StageError::usage(format!("pipeline.toml knows no stage {}", S::STAGE)))?;
     // One stage is enough to say what a configuration asks for in vain.
     let rule = Suspicious::of(*strict, spec.unit == UnitKind::Plan);
-    let Some(settings) = settings_or_faults(config, rule) else {
-        return Ok(EXIT_USAGE);
+    let given = match config {
+        Some(config) => match settings_or_faults(config, rule) {
+            Some(settings) => Some(settings),
+            None => return Ok(EXIT_USAGE),
+        },
+        None if spec.unit == UnitKind::Plan => {
+            return Err(StageError::usage(format!("{} needs --config FILE", S::STAGE)));
+        }
+        None => None,
     };
     if let Some(threads) = threads {
         // Fails only when the pool exists already, which does no harm.
@@ -104,9 +115,14 @@ fn try_run<S: StageSettings>(
     }
     let store = Store::open(store)?;
     // A place without a plan is left as it is by whoever needs one.
-    if !*dry_run && spec.unit == UnitKind::Scene && planned_scenes(&store)?.is_none() {
+    let is_planned = || store.backend().size(&Scope::Plan.manifest(Graph::get().planner().name));
+    if !*dry_run && spec.unit == UnitKind::Scene && is_planned()?.is_none() {
         return Err(no_plan(&store));
     }
+    let settings = match given {
+        Some(settings) => settings,
+        None => editions::newest_recorded(&store)?,
+    };
     let _lock = if *dry_run { None } else { lock::hold(&store, &settings, S::STAGE)? };
     let editions = Editions::of_store(&store, &settings, *edition)?;
     let mut run = Run {
@@ -124,6 +140,8 @@ fn try_run<S: StageSettings>(
         redo_older: *redo_older,
         accept_code: *accept_code,
         progress: *progress,
+        shard: options.shard,
+        known: Arc::default(),
         prepared: Prepared::default(),
     };
     if *dry_run && !run.is_planned()? {
@@ -131,37 +149,20 @@ fn try_run<S: StageSettings>(
         return Ok(EXIT_DONE);
     }
     let scopes = run.scopes(options)?;
-    run.refuse_imported(&scopes)?;
-    // Shares of one store are one wish: what all of them would make again counts.
-    let foresight = run.foresee(&scopes, options.shard.is_some())?;
-    if !rule.pass(&run.suspicions(config, *dry_run || *strict)?) {
+    let (looked, foresight) = run.look(&scopes)?;
+    if let Some(config) = config
+        && !rule.pass(&run.suspicions(config, *dry_run || *strict)?)
+    {
         return Ok(EXIT_USAGE);
     }
     if *dry_run {
-        return run.tell(&scopes, &foresight);
+        return run.tell(&looked, &foresight);
     }
     run.agree(&foresight)?;
     if let Some(open) = run.stage.open {
         run.device_in_use = open(&run.outlook())?;
     }
-    run.all(&scopes)
-}
-
-fn no_plan(store: &Store) -> StageError {
-    let (place, planner) = (store.location(""), Graph::get().planner().name);
-    StageError::usage(format!("{place} holds no plan: run {planner} first"))
-}
-
-/// `dataset.json`.
-#[derive(Serialize)]
-struct DatasetRecord<'a> {
-    format_version: u32,
-    code_version: &'a str,
-    /// The newest edition.
-    config: &'a DatasetSettings,
-    /// All of them, where there are several.
-    #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    editions: &'a [DatasetSettings],
+    run.all(&looked)
 }
 
 struct Run<'a, S> {
@@ -181,7 +182,19 @@ struct Run<'a, S> {
     redo_older: bool,
     accept_code: bool,
     progress: ProgressMode,
+    /// The share of the scenes that this run makes, if not all.
+    shard: Option<Shard>,
+    known: Arc<Known>,
     prepared: Prepared,
+}
+
+/// A scope as it was found before anything was made.
+#[derive(Debug)]
+struct Looked {
+    scope: Scope,
+    state: State,
+    /// Whether a killed run left something behind.
+    is_untidy: bool,
 }
 
 impl<S: StageSettings> Run<'_, S> {
@@ -197,7 +210,12 @@ impl<S: StageSettings> Run<'_, S> {
     }
 
     fn status(&self) -> Status<'_> {
-        Status::new(&self.store, &self.editions, self.programs)
+        Status::new(&self.store, &self.editions, self.programs).knowing(&self.known)
+    }
+
+    /// The rule for the code that made what is there.
+    fn code(&self) -> CodeRule {
+        if self.accept_code { CodeRule::Any } else { CodeRule::Same }
     }
 
     fn scopes(&self, options: &StageOptions) -> Result<Vec<Scope>, StageError> {
@@ -206,11 +224,11 @@ impl<S: StageSettings> Run<'_, S> {
             UnitKind::Stats => return Ok(vec![Scope::Stats]),
             UnitKind::Scene => {}
         }
-        let planner = Graph::get().planner();
-        let Some(scenes) = planned_scenes(&self.store)? else { return Err(no_plan(&self.store)) };
-        if let Some(manifest) = self.store.manifest(Scope::Plan, planner.name)?
-            && !is_imported(&manifest)
-            && manifest.config_hash != config_hash(planner, &self.editions, Scope::Plan)?
+        let (planner, status) = (Graph::get().planner(), self.status());
+        let Some(scenes) = status.planned_scenes()? else { return Err(no_plan(&self.store)) };
+        if let Some(manifest) = status.plan()?.sound()
+            && !is_imported(manifest)
+            && status.config_hash(planner, Scope::Plan)?.is_some_and(|hash| manifest.config_hash != hash)
         {
             let message = format!("the plan was made from another configuration: run {} first", planner.name);
             return Err(StageError::usage(message));
@@ -223,11 +241,20 @@ impl<S: StageSettings> Run<'_, S> {
                 return Err(StageError::usage(message));
             }
         }
-        let wanted = scenes.into_iter().enumerate().filter(|(position, scene)| {
-            options.scenes.as_ref().is_none_or(|list| list.contains(*scene))
-                && options.shard.is_none_or(|shard| shard.contains(*position))
-        });
-        Ok(wanted.map(|(_, scene)| Scope::Scene(scene)).collect())
+        let scenes = match options.shard {
+            Some(shard) => self.share(shard)?,
+            None => scenes,
+        };
+        let wanted = |scene: &u32| options.scenes.as_ref().is_none_or(|list| list.contains(*scene));
+        Ok(scenes.into_iter().filter(wanted).map(Scope::Scene).collect())
+    }
+
+    /// The scenes of a share.
+    fn share(&self, shard: Shard) -> Result<Vec<u32>, StageError> {
+        let plan = self.status().plan()?;
+        let Some(plan) = plan.sound() else { return Err(no_plan(&self.store)) };
+        versions_agree(plan, self.spec)?;
+        Ok(share(&self.store, plan, &self.editions, shard)?.0)
     }
 
     /// Whether a plan of this configuration stands, where the stage needs one.
@@ -243,135 +270,17 @@ impl<S: StageSettings> Run<'_, S> {
         }
     }
 
-    /// What is finished and would be made again: by this stage, or, as all follows from the plan, by all
-    /// stages. What `--force` asks for is no slip.
-    fn foresee(&self, scopes: &[Scope], is_share: bool) -> Result<Foresight, StageError> {
-        let is_plan = self.spec.unit == UnitKind::Plan;
-        if !self.force {
-            self.check_name()?;
-        }
-        if self.spec.unit == UnitKind::Stats || (self.force && !is_plan) {
-            return Ok(Foresight::default());
-        }
-        let is_kept = |state: &State| *state == State::Done && !self.force;
-        let sections = match self.stage.sections {
-            Some(sections) if !is_kept(&self.state(Scope::Plan, &self.sources())?) => {
-                // Of a fresh store there is nothing to ask.
-                if self.store.backend().list("scenes")?.is_empty() {
-                    return Ok(Foresight::default());
-                }
-                Some(sections(&self.outlook())?)
-            }
-            _ => None,
-        };
-        let scene = |scope: &Scope| if let Scope::Scene(scene) = scope { Some(*scene) } else { None };
-        let intent = Intent {
-            stages: if is_plan { Graph::get().stages.iter().collect() } else { self.spec.with_followers() },
-            scenes: (!is_plan && !is_share).then(|| scopes.iter().filter_map(scene).collect()),
-            sections,
-            code: if self.accept_code { CodeRule::Any } else { CodeRule::Same },
-            status: self.status(),
-        };
-        Ok(Foresight::of(&self.store, &self.editions, &intent)?)
-    }
-
-    /// Refuses a configuration of another dataset.
-    fn check_name(&self) -> Result<(), StageError> {
-        let planner = Graph::get().planner().name;
-        let plan = manifest_or_stale(&self.store, Scope::Plan, planner)?.unwrap_or_default();
-        let is_import = plan.is_some_and(|plan| is_imported(&plan));
-        let recorded = if is_import { Vec::new() } else { editions::recorded(&self.store)? };
-        let name = &self.editions.given().name;
-        match recorded.last().and_then(|config| config["name"].as_str()) {
-            Some(recorded) if recorded != name => Err(StageError::usage(format!(
-                "{} holds the dataset `{recorded}`, and this configuration is of `{name}`: give another --store, or --force if \
-                 this one is to become that",
-                self.store.location("")
-            ))),
-            _ => Ok(()),
-        }
-    }
-
-    /// Whether a stage's work is made again by this run, or by those that follow from the plan.
-    fn makes(&self, stage: &str) -> bool {
-        self.spec.unit == UnitKind::Plan || stage == self.spec.name
-    }
-
-    /// Says what is made again, and asks where that is much and the configuration or the code is to blame.
-    fn agree(&self, foresight: &Foresight) -> Result<(), StageError> {
-        let told = foresight.lines();
-        if told.is_empty() {
-            return Ok(());
-        }
-        let verb = |stage: &str| if self.makes(stage) { "makes again" } else { "makes stale" };
-        let lines = told.into_iter().map(|(stage, line)| format!("{} {line}", verb(stage)));
-        let added = foresight.added().map(|scenes| format!("adds {scenes}"));
-        let lines: Vec<String> = lines.chain(added).chain(foresight.changed()).collect();
-        let limit_s = self.editions.given().store.ask_beyond_s;
-        let least = if self.redo_older { Blame::Configuration } else { Blame::Code };
-        let is_much = foresight.blamed_s(least).is_some_and(|asked_s| asked_s >= limit_s);
-        if self.redo || !is_much || confirmed(&lines)? {
-            lines.iter().for_each(|line| tracing::info!("{line}"));
-            // What was agreed is not asked again, by whoever goes on with it.
-            if foresight.blames(Blame::Configuration) && self.spec.unit == UnitKind::Scene {
-                self.renew_record()?;
-            }
-            return Ok(());
-        }
-        let mut ways = vec!["--redo makes it again"];
-        if foresight.blames(Blame::Code) {
-            ways.push("--accept-code keeps what older code made");
-        }
-        if foresight.blames(Blame::Configuration) {
-            ways.push("--grow leaves it, and makes further scenes alone by this configuration");
-        }
-        Err(StageError::usage(format!(
-            "nothing was touched, as this\n  {}\n{}; another --store keeps what is there, too (asked beyond \
-             store.ask_beyond_s = {limit_s} s)",
-            lines.join("\n  "),
-            ways.join("; ")
-        )))
-    }
-
-    /// What is suspicious in what the stage would make; in what is made already only if that is asked for.
-    fn suspicions(&self, config: &Path, also_made: bool) -> Result<Vec<Fault>, StageError> {
-        let Some(look) = self.stage.suspicions else { return Ok(Vec::new()) };
-        if !also_made && !self.force && self.state(Scope::Plan, &self.sources())? == State::Done {
-            return Ok(Vec::new());
-        }
-        let found = look(&self.outlook())?;
-        Ok(settings::suspicions_in(config, &found))
-    }
-
-    /// Says what would be done.
-    fn tell(&self, scopes: &[Scope], foresight: &Foresight) -> Result<u8, StageError> {
-        for (stage, line) in foresight.lines() {
-            let verb = if self.makes(stage) { "make again" } else { "make stale" };
-            say(&format!("would {verb} {line}"));
-        }
-        if let Some(added) = foresight.added() {
-            say(&format!("would add {added}"));
-        }
-        foresight.changed().for_each(|line| say(&line));
-        let sources = self.sources();
-        for &scope in scopes {
-            let state = self.state(scope, &sources)?;
-            let verb = if state == State::Done && !self.force { "would keep" } else { "would run" };
-            say(&format!("{verb} {} ({state})", self.label(scope)));
-        }
-        if let Some(forecast) = self.stage.forecast {
-            for line in forecast(&self.outlook())? {
-                say(&line);
-            }
-        }
-        Ok(EXIT_DONE)
-    }
-
-    fn all(&self, scopes: &[Scope]) -> Result<u8, StageError> {
+    fn all(&self, looked: &[Looked]) -> Result<u8, StageError> {
         let start = Instant::now();
         let (mut done, mut kept, mut failed) = (0, 0, 0);
-        for &scope in scopes {
-            match self.one(scope) {
+        for Looked { scope, state, is_untidy } in looked {
+            let scope = *scope;
+            let made = if *state == State::Done && !self.force {
+                self.keep(scope, *is_untidy).map(|()| false)
+            } else {
+                self.one(scope)
+            };
+            match made {
                 Ok(true) => done += 1,
                 Ok(false) => kept += 1,
                 Err(error) if error.exit_code() != EXIT_SOME_FAILED => return Err(error),
@@ -392,17 +301,6 @@ impl<S: StageSettings> Run<'_, S> {
         Ok(if failed == 0 { EXIT_DONE } else { EXIT_SOME_FAILED })
     }
 
-    /// Refuses what would have to be made from a log that was never there.
-    fn refuse_imported(&self, scopes: &[Scope]) -> Result<(), StageError> {
-        let is_kept = |scope| -> Result<bool, StageError> {
-            Ok(!self.force && self.state(scope, &BTreeMap::new())? == State::Done)
-        };
-        match imported::refusal(&self.store, self.spec, scopes, is_kept)? {
-            Some(why) => Err(StageError::usage(why)),
-            None => Ok(()),
-        }
-    }
-
     /// What the stage reads outside the store, by the names of its manifest.
     fn sources(&self) -> BTreeMap<String, String> {
         let found = (self.stage.sources)(&self.of_dataset, self.maps.as_deref());
@@ -410,12 +308,11 @@ impl<S: StageSettings> Run<'_, S> {
     }
 
     /// State of a scope, sources included: one that cannot be found now has not changed.
-    fn state(&self, scope: Scope, sources: &BTreeMap<String, String>) -> Result<State, StageError> {
-        let code = if self.accept_code { CodeRule::Any } else { CodeRule::Same };
-        let state = self.status().by_code(code).state(self.spec, scope)?;
+    fn state_of(&self, survey: &Survey<'_>, sources: &BTreeMap<String, String>) -> Result<State, StageError> {
+        let state = survey.state(self.spec)?;
         if state == State::Done
-            && let Some(manifest) = self.store.manifest(scope, S::STAGE)?
-            && !is_imported(&manifest)
+            && !sources.is_empty()
+            && let Some(manifest) = survey.record(S::STAGE)?.sound().filter(|manifest| !is_imported(manifest))
             && let Some((name, _)) =
                 sources.iter().find(|(name, now)| manifest.inputs.get(*name) != Some(*now))
         {
@@ -424,49 +321,23 @@ impl<S: StageSettings> Run<'_, S> {
         Ok(state)
     }
 
-    /// Keeps what older code made, if it did: the manifest says so from here on.
-    fn accept(&self, scope: Scope) -> Result<(), StageError> {
-        let Some(read) = self.store.manifest(scope, S::STAGE)?.filter(|manifest| !is_imported(manifest))
-        else {
-            return Ok(());
-        };
-        let mut manifest = read.clone();
-        // A manifest may be of another version, and of another program as well.
-        while let Err(why) = self.status().is_of_code(S::STAGE, &manifest) {
-            manifest.accepted_by.push(match why {
-                Staleness::Program => self.programs.made_by(S::STAGE).program,
-                _ => crate::code_version(S::STAGE).to_owned(),
-            });
-        }
-        if manifest != read {
-            tracing::info!("{}: keeps what code {} made", self.label(scope), read.code_version);
-            self.store.replace_manifest(scope, &read, &manifest)?;
-        }
-        Ok(())
+    /// State of a scope as it is now.
+    fn state(&self, scope: Scope, sources: &BTreeMap<String, String>) -> Result<State, StageError> {
+        let status = self.status().by_code(self.code());
+        self.state_of(&status.survey(scope), sources)
     }
 
-    /// `dataset.json`: the whole configuration. It goes with the plan, but the plan sees only a part of it.
-    fn record(&self) -> Result<Vec<u8>, StageError> {
-        let record = DatasetRecord {
-            format_version: schema::FORMAT_VERSION,
-            code_version: crate::code_version(Graph::get().planner().name),
-            config: self.editions.newest(),
-            editions: if self.editions.all().len() > 1 { self.editions.all() } else { &[] },
-        };
-        let stage = S::STAGE;
-        Ok(serde_json::to_vec_pretty(&record).map_err(|source| ViewError::Json { stage, source })?)
-    }
-
-    /// Brings `dataset.json` up to date where something changed that the plan does not see.
-    fn renew_record(&self) -> Result<(), StageError> {
-        let record = self.record()?;
-        let planner = Graph::get().planner().name;
-        let written = self.store.manifest(Scope::Plan, planner)?;
-        let hash = store::hash_bytes(&record);
-        let is_old =
-            |m: Manifest| !is_imported(&m) && m.output(keys::DATASET).is_none_or(|o| o.blake3 != hash);
-        if written.is_some_and(is_old) {
-            Attempt::amend(&self.store, Scope::Plan, planner, keys::DATASET, &record)?;
+    /// Keeps what is done.
+    fn keep(&self, scope: Scope, is_untidy: bool) -> Result<(), StageError> {
+        if is_untidy {
+            Attempt::tidy(&self.store, scope, S::STAGE)?;
+        }
+        if self.accept_code {
+            self.accept(scope)?;
+        }
+        if self.spec.unit == UnitKind::Plan {
+            self.renew_record()?;
+            self.renew_versions()?;
         }
         Ok(())
     }
@@ -487,18 +358,15 @@ impl<S: StageSettings> Run<'_, S> {
 
     /// Runs one scope. `false`: there was nothing to do.
     fn one(&self, scope: Scope) -> Result<bool, StageError> {
-        let sources = self.sources();
-        if !self.force && self.state(scope, &sources)? == State::Done {
-            Attempt::tidy(&self.store, scope, S::STAGE)?;
-            if self.accept_code {
-                self.accept(scope)?;
-            }
-            if self.spec.unit == UnitKind::Plan {
-                self.renew_record()?;
-            }
+        let (sources, status) = (self.sources(), self.status().by_code(self.code()));
+        let survey = status.survey(scope);
+        // Somebody else may have made it since.
+        if !self.force && self.state_of(&survey, &sources)? == State::Done {
+            self.keep(scope, survey.is_untidy(S::STAGE)?)?;
             return Ok(false);
         }
-        let ready = self.status().inputs(self.spec, scope)?.map_err(StageError::NotReady)?;
+        let survey = self.status();
+        let ready = survey.survey(scope).inputs(self.spec)?.map_err(StageError::NotReady)?;
         let made_by = MadeBy { device: self.device_in_use.clone(), ..self.programs.made_by(S::STAGE) };
         let identity = Identity {
             stage: S::STAGE.into(),
@@ -509,7 +377,8 @@ impl<S: StageSettings> Run<'_, S> {
             made_by: Some(made_by.clone()),
         };
         let attempt = Attempt::start(&self.store, identity, self.force)?;
-        let settings = S::of_scope(&self.editions, scope);
+        let settings: S = of_scope(&self.editions, scope);
+        let manifest_of = |(name, part): (_, Part)| Some((name, part.into_manifest()?));
         let mut job = Job {
             store: &self.store,
             settings: &settings,
@@ -518,7 +387,8 @@ impl<S: StageSettings> Run<'_, S> {
             maps: self.maps.as_deref(),
             prepared: &self.prepared,
             scope,
-            inputs: ready.manifests,
+            inputs: ready.parts.into_iter().filter_map(manifest_of).collect(),
+            scenes: ready.scenes,
             attempt,
             progress: Progress::start(self.progress, self.label(scope), 0),
         };

@@ -16,7 +16,7 @@ pub type IsRead<'a> = Box<dyn Fn(&str) -> bool + 'a>;
 pub type MadeFrom = BTreeMap<String, String>;
 
 /// The part of a configuration that a stage sees.
-pub trait StageSettings: Serialize + Sized {
+pub trait StageSettings: Serialize + Sized + Send + Sync + 'static {
     /// The stage, by its name in `pipeline.toml`.
     const STAGE: &'static str;
 
@@ -42,13 +42,13 @@ pub trait StageSettings: Serialize + Sized {
     fn of_dataset(editions: &Editions) -> Self {
         Self::of(editions.newest())
     }
+}
 
-    /// The part for a scope: a scene has the settings of its group in its edition.
-    fn of_scope(editions: &Editions, scope: Scope) -> Self {
-        match scope {
-            Scope::Scene(_) => Self::of(editions.of(scope)),
-            Scope::Plan | Scope::Tile { .. } | Scope::Stats => Self::of_dataset(editions),
-        }
+/// The part for a scope: a scene has the settings of its group in its edition, and nothing else.
+pub(crate) fn of_scope<S: StageSettings>(editions: &Editions, scope: Scope) -> S {
+    match scope {
+        Scope::Scene(_) => S::of(editions.of(scope)),
+        Scope::Plan | Scope::Tile { .. } | Scope::Stats => S::of_dataset(editions),
     }
 }
 

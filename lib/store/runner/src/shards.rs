@@ -2,57 +2,87 @@
 //! work is kept or done again.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
-use schema::AgentId;
+use schema::scene_info::SCENE_FILE;
+use schema::{AgentId, ImageKind};
 use serde::Serialize;
 use settings::stages::{RangeRig, SensorSettings, ValiditySettings};
 use settings::{DatasetSettings, PerAgent};
 use store::{Manifest, Output, Scope, keys};
 
+use crate::editions::Editions;
+use crate::record::Record;
 use crate::seen::{IsRead, MadeFrom, StageSettings, ViewError};
 
 /// What a stage depends on of an input.
 #[derive(Debug)]
 pub(crate) struct Part {
-    /// The input's manifest with the outputs that are read.
-    pub(crate) manifest: Manifest,
-    /// The digest that is remembered.
-    pub(crate) digest: String,
-    /// That of the whole manifest: older programs remembered it.
-    pub(crate) whole: String,
+    /// The input's manifest.
+    record: Arc<Record>,
+    /// The manifest with the outputs that are read, and the digest of them; none where all are read.
+    read: Option<(Manifest, String)>,
 }
 
 impl Part {
+    /// All of an input.
+    pub(crate) fn whole(record: Arc<Record>) -> Self {
+        Self { record, read: None }
+    }
+
     /// What a stage that sees some settings depends on.
-    fn of<S: StageSettings>(all: &DatasetSettings, scope: Scope, mut manifest: Manifest) -> Self {
-        let whole = manifest.digest();
+    fn of<S: StageSettings>(all: &DatasetSettings, scope: Scope, record: &Arc<Record>) -> Self {
         let view = S::of(all);
-        let Some(is_read) = view.reads(&manifest.stage) else {
-            return Self { manifest, digest: whole.clone(), whole };
+        let Some((manifest, is_read)) = record.sound().and_then(|m| Some((m, view.reads(&m.stage)?))) else {
+            return Self::whole(record.clone());
         };
         let folder = format!("{}/", scope.folder());
         let reads = |output: &Output| output.key.strip_prefix(&folder).is_some_and(&is_read);
-        let digest = manifest.digest_of(reads);
-        manifest.outputs.retain(reads);
-        Self { manifest, digest, whole }
+        let mut read = manifest.clone();
+        read.outputs.retain(reads);
+        Self { record: record.clone(), read: Some((read, manifest.digest_of(reads))) }
+    }
+
+    /// The digest that is remembered.
+    pub(crate) fn digest(&self) -> &str {
+        self.read.as_ref().map_or_else(|| self.whole_digest(), |(_, digest)| digest)
+    }
+
+    /// That of the whole manifest: older programs remembered it.
+    pub(crate) fn whole_digest(&self) -> &str {
+        self.record.digest()
+    }
+
+    fn manifest(&self) -> Option<&Manifest> {
+        self.read.as_ref().map(|(manifest, _)| manifest).or_else(|| self.record.sound())
+    }
+
+    /// The input's manifest with the outputs that are read.
+    pub(crate) fn into_manifest(self) -> Option<Manifest> {
+        self.manifest().cloned()
     }
 
     /// Whether an output is read.
     pub(crate) fn has(&self, key: &str) -> bool {
-        self.manifest.output(key).is_some()
+        self.manifest().is_some_and(|manifest| manifest.output(key).is_some())
     }
 
     /// Whether this is what a digest remembers.
     pub(crate) fn is(&self, remembered: &str) -> bool {
-        remembered == self.digest || remembered == self.whole
+        remembered == self.digest() || remembered == self.whole_digest()
     }
 }
+
+/// Whether a stage's shard is read, by the stage and the path in the scene's folder.
+type ReadOfScenes = Box<dyn Fn(&str, &str) -> bool + Send + Sync>;
 
 /// What is told of a stage's shards, without its settings' type.
 #[derive(Clone, Copy)]
 pub(crate) struct Shards {
     /// What it depends on of an input.
-    pub(crate) part: fn(&DatasetSettings, Scope, Manifest) -> Part,
+    pub(crate) part: fn(&DatasetSettings, Scope, &Arc<Record>) -> Part,
+    /// Which shards of scenes it reads, where it works on the whole dataset.
+    pub(crate) reads: fn(&Editions) -> ReadOfScenes,
     /// What its own shards of a scene depend on.
     pub(crate) made_from: fn(&DatasetSettings, u32, &[AgentId]) -> Result<MadeFrom, ViewError>,
 }
@@ -60,7 +90,14 @@ pub(crate) struct Shards {
 impl Shards {
     /// Those of the stage that sees some settings.
     pub(crate) const fn of<S: StageSettings>() -> Self {
-        Self { part: Part::of::<S>, made_from: |all, scene, agents| S::of(all).made_from(scene, agents) }
+        Self {
+            part: Part::of::<S>,
+            reads: |editions| {
+                let view = S::of_dataset(editions);
+                Box::new(move |stage, path| view.reads(stage).is_none_or(|is_read| is_read(path)))
+            },
+            made_from: |all, scene, agents| S::of(all).made_from(scene, agents),
+        }
     }
 }
 
@@ -112,6 +149,15 @@ pub(crate) fn of_sensors(
         made_from.append(&mut of_agent);
     }
     Ok(made_from)
+}
+
+/// Of a scene its partial counts, its description, and the colour images for its picture.
+pub(crate) fn is_read_for_statistics(path: &str) -> bool {
+    let is_colour = |table: &str| {
+        let name = table.rsplit_once('/').map_or(table, |(_, name)| name);
+        name.strip_prefix(ImageKind::Rgb.spec().prefix).is_some_and(|rest| rest.starts_with('-'))
+    };
+    path.starts_with("stats/") || path == SCENE_FILE || path.strip_prefix("sensors/").is_some_and(is_colour)
 }
 
 /// Of the sensors' tables those of lidars and radars, and what instance images show.
@@ -205,11 +251,11 @@ mod tests {
         let mut after = before.clone();
         change(&mut after);
         let part = |all: &DatasetSettings| {
-            Part::of::<ValiditySettings>(all, Scope::Scene(SCENE), rendered(all, &agents))
+            Part::of::<ValiditySettings>(all, Scope::Scene(SCENE), &Record::of(rendered(all, &agents)))
         };
         let (then, now) = (part(&before), part(&after));
-        assert!(now.is(&now.whole) && now.is(&now.digest));
-        !now.is(&then.digest)
+        assert!(now.is(now.whole_digest()) && now.is(now.digest()));
+        !now.is(then.digest())
     }
 
     #[test]
@@ -224,8 +270,9 @@ mod tests {
         assert!(judged_anew(|all| all.scenario.vehicle_rig.cameras[0].optics.width = 99));
         let part = |stage: &str| {
             let manifest = Manifest { stage: stage.into(), ..rendered(&example_settings(), &[]) };
-            Part::of::<ValiditySettings>(&example_settings(), Scope::Scene(SCENE), manifest)
+            Part::of::<ValiditySettings>(&example_settings(), Scope::Scene(SCENE), &Record::of(manifest))
         };
-        assert_eq!(part("occupancy-gt").digest, part("occupancy-gt").whole, "it is read whole");
+        let whole = part("occupancy-gt");
+        assert_eq!(whole.digest(), whole.whole_digest(), "it is read whole");
     }
 }

@@ -8,13 +8,13 @@ use store::{Attempt, MadeBy, Manifest, Scope, Store, Unit};
 
 use crate::editions::Editions;
 use crate::error::{Place, StageError};
-use crate::graph::StageSpec;
 use crate::interrupt;
 use crate::options::DeviceOptions;
 use crate::prepared::Prepared;
 use crate::progress::Progress;
 use crate::seen::StageSettings;
-use crate::status::{State, Status, plan_section, planned_scenes};
+use crate::state::plan_section;
+use crate::status::Status;
 
 /// A stage: its work for one scope. Its name in `pipeline.toml` is that of the settings that it sees.
 #[derive(Clone, Copy)]
@@ -90,7 +90,8 @@ pub struct Job<'a, S> {
     pub(crate) maps: Option<&'a Path>,
     pub(crate) prepared: &'a Prepared,
     pub(crate) scope: Scope,
-    pub(crate) inputs: BTreeMap<String, Manifest>,
+    pub(crate) inputs: BTreeMap<&'static str, Manifest>,
+    pub(crate) scenes: BTreeMap<u32, Vec<Manifest>>,
     pub(crate) attempt: Attempt,
     pub(crate) progress: Progress,
 }
@@ -175,23 +176,14 @@ impl<'a, S: StageSettings> Job<'a, S> {
     /// # Errors
     /// The store cannot be read.
     pub fn planned_scenes(&self) -> Result<Vec<u32>, StageError> {
-        Ok(planned_scenes(self.store)?.unwrap_or_default())
+        Ok(self.status.planned_scenes()?.unwrap_or_default())
     }
 
-    /// The manifest of a stage for a scene, if the stage is done.
-    ///
-    /// # Errors
-    /// The store cannot be read.
-    pub fn manifest_if_done(
-        &self,
-        stage: &'static StageSpec,
-        scene: u32,
-    ) -> Result<Option<Manifest>, StageError> {
-        let scope = Scope::Scene(scene);
-        if self.status.state(stage, scope)? == State::Done {
-            return Ok(self.store.manifest(scope, stage.name)?);
-        }
-        Ok(None)
+    /// Of a stage that works on the whole dataset, the manifests of the stages of scenes that are done, by
+    /// scene, with those of their outputs that it reads ([`StageSettings::reads`]).
+    #[must_use]
+    pub fn done_stages(&self) -> &BTreeMap<u32, Vec<Manifest>> {
+        &self.scenes
     }
 
     /// The build at work, for records of what is made beside the stage's own shards.

@@ -10,7 +10,7 @@ use store::Scope;
 
 use crate::editions::Editions;
 use crate::graph::StageSpec;
-use crate::seen::{IsRead, MadeFrom, StageSettings, ViewError};
+use crate::seen::{IsRead, MadeFrom, StageSettings, ViewError, of_scope};
 use crate::shards::{self, Shards};
 
 impl StageSettings for PlanSettings {
@@ -162,6 +162,10 @@ impl StageSettings for StatisticsSettings {
         let older = editions.all().split_last().map_or(&[][..], |(_, older)| older);
         Self { older: older.iter().map(Self::of).collect(), ..Self::of(editions.newest()) }
     }
+
+    fn reads(&self, _stage: &str) -> Option<IsRead<'_>> {
+        Some(Box::new(shards::is_read_for_statistics))
+    }
 }
 
 fn statistics_of_group(all: &DatasetSettings, group: &Group) -> Option<(String, StatisticsSettings)> {
@@ -172,7 +176,7 @@ fn statistics_of_group(all: &DatasetSettings, group: &Group) -> Option<(String, 
 type View = (&'static str, fn(&Editions, Scope) -> serde_json::Result<Vec<u8>>, Shards);
 
 const fn view<S: StageSettings>() -> View {
-    (S::STAGE, |editions, scope| serde_json::to_vec(&S::of_scope(editions, scope)), Shards::of::<S>())
+    (S::STAGE, |editions, scope| serde_json::to_vec(&of_scope::<S>(editions, scope)), Shards::of::<S>())
 }
 
 /// What each stage sees. A stage that is missing here cannot be run: [`config_hash`] says so.

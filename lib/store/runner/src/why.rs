@@ -9,10 +9,9 @@ use crate::editions::Editions;
 use crate::graph::{StageSpec, UnitKind};
 use crate::imported::is_imported;
 use crate::programs::Programs;
-use crate::shards::Part;
-use crate::status::{
-    NOT_DONE, SOURCE, Staleness, State, StateError, Status, manifest_or_stale, plan_section,
-};
+use crate::state::{NOT_DONE, SOURCE, Staleness, State, StateError, plan_section};
+use crate::status::Status;
+use crate::survey::Survey;
 use crate::views::{config_hash, shards_of};
 
 /// Statistics name so many stages of scenes that changed.
@@ -34,42 +33,55 @@ pub fn why(
         Some(editions) => Status::new(store, editions, programs),
         None => Status::of_import(store, programs),
     };
-    let mut chain =
-        Chain { store, editions, programs, status, lines: Vec::new(), told: BTreeSet::new(), depth: 0 };
+    let mut chain = Chain {
+        editions,
+        programs,
+        surveys: [status.survey(Scope::Plan), status.survey(scope)],
+        status: &status,
+        lines: Vec::new(),
+        told: BTreeSet::new(),
+        depth: 0,
+    };
     chain.tell(spec, scope)?;
     Ok(chain.lines)
 }
 
 struct Chain<'a> {
-    store: &'a Store,
     editions: Option<&'a Editions>,
     programs: &'a Programs,
-    status: Status<'a>,
+    status: &'a Status<'a>,
+    /// The plan, and the scope that is asked about.
+    surveys: [Survey<'a>; 2],
     lines: Vec<String>,
     /// Stages that were explained already.
     told: BTreeSet<&'static str>,
     depth: usize,
 }
 
-impl Chain<'_> {
+impl<'a> Chain<'a> {
+    fn survey(&self, scope: Scope) -> &Survey<'a> {
+        &self.surveys[usize::from(scope != Scope::Plan)]
+    }
+
     fn add(&mut self, line: &str) {
         self.lines.push(format!("{}{line}", "  ".repeat(self.depth)));
     }
 
     fn tell(&mut self, spec: &'static StageSpec, scope: Scope) -> Result<(), StateError> {
         let name = spec.name;
-        let state = self.status.state(spec, scope)?;
+        let survey = self.survey(scope);
+        let (state, record) = (survey.state(spec)?, survey.record(name)?);
         if !self.told.insert(name) {
             self.add(&format!("{name}: {} (see above)", word(&state)));
             return Ok(());
         }
         self.add(&format!("{name}: {state}"));
         self.depth += 1;
-        match manifest_or_stale(self.store, scope, name)? {
-            Ok(Some(manifest)) if is_imported(&manifest) => self.add("imported"),
-            Ok(Some(manifest)) => self.made(spec, scope, &manifest)?,
+        match record.manifest() {
+            Ok(Some(manifest)) if is_imported(manifest) => self.add("imported"),
+            Ok(Some(manifest)) => self.made(spec, scope, manifest)?,
             Ok(None) => {
-                let units = self.store.backend().list(&scope.parts(name))?.len();
+                let units = self.status.store().backend().keys(&scope.parts(name))?.len();
                 if units > 0 {
                     self.add(&format!("begun: {units} units are finished and kept"));
                 }
@@ -117,7 +129,7 @@ impl Chain<'_> {
             self.inputs(spec, scope, made)?;
         }
         for output in &made.outputs {
-            match self.store.backend().size(&output.key)? {
+            match self.survey(scope).size(&output.key)? {
                 Some(found) if found == output.bytes => {}
                 Some(found) => {
                     self.add(&format!("{}: {found} bytes, {} expected", output.key, output.bytes));
@@ -147,8 +159,8 @@ impl Chain<'_> {
         for read in spec.inputs() {
             let then = made.inputs.get(read.name);
             if let (UnitKind::Plan, Scope::Scene(scene)) = (read.unit, scope) {
-                let plan = manifest_or_stale(self.store, Scope::Plan, read.name)?.unwrap_or_default();
-                let now = plan.as_ref().map(|plan| plan.sections.get(&plan_section(scene)));
+                let plan = self.status.plan()?;
+                let now = plan.sound().map(|plan| plan.sections.get(&plan_section(scene)));
                 match now {
                     Some(None) => self.add(&format!("scene {scene} is not in the plan any more")),
                     Some(now) if now != then => {
@@ -159,10 +171,9 @@ impl Chain<'_> {
                 continue;
             }
             let Some(editions) = self.editions else { continue };
-            let now = manifest_or_stale(self.store, scope, read.name)?.unwrap_or_default();
-            let part = |now| Ok::<_, StateError>((shards_of(spec)?.part)(editions.of(scope), scope, now));
-            let is_other = |part: Part| then.is_none_or(|then| !part.is(then));
-            if now.map(part).transpose()?.is_some_and(is_other) {
+            let now = self.survey(scope).record(read.name)?;
+            let part = (shards_of(spec)?.part)(editions.of(scope), scope, &now);
+            if now.sound().is_some() && then.is_none_or(|then| !part.is(then)) {
                 self.add(&format!("{} was made again since", read.name));
             }
         }
@@ -177,7 +188,7 @@ impl Chain<'_> {
     /// Which stages of scenes statistics were made without, or from others than there are now.
     fn scenes(&mut self, spec: &StageSpec, made: &Manifest) -> Result<(), StateError> {
         // Statistics are ready whatever scenes there are.
-        let Ok(now) = self.status.inputs(spec, Scope::Stats)? else { return Ok(()) };
+        let Ok(now) = self.survey(Scope::Stats).inputs(spec)? else { return Ok(()) };
         let names: BTreeSet<&String> = now.digests.keys().chain(made.inputs.keys()).collect();
         let word = |then: Option<&String>, now: Option<&String>| match (then.map(String::as_str), now) {
             (_, None) => "is not planned any more",

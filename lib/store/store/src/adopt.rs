@@ -80,15 +80,10 @@ impl Store {
     }
 }
 
-/// Whether a key is one that a scope's stages may write: a plan's shards are spread over the store, but for
-/// its scenes and tiles.
+/// Whether a key is one that a scope's stages may write.
 fn lies_in(scope: Scope, key: &str) -> bool {
-    let folder = scope.swept_folder();
-    let below = if folder.is_empty() {
-        !["scenes/", "tiles/", "stats/"].iter().any(|other| key.starts_with(other))
-    } else {
-        key.strip_prefix(&folder).is_some_and(|rest| rest.starts_with('/'))
-    };
+    let is_in = |folder: String| key.strip_prefix(&folder).is_some_and(|rest| rest.starts_with('/'));
+    let below = scope.folders().into_iter().any(is_in) || scope.writes_at_top() && !key.contains('/');
     let plain = |part: &str| !part.is_empty() && part != "." && part != ".." && !part.contains('\\');
     below && key.split('/').all(plain)
 }
@@ -152,7 +147,7 @@ mod tests {
         sink.commit().expect("commits");
         let text = here.adopt(&from, SCOPE, &manifest).expect_err("is another").to_string();
         assert!(text.contains("not those that the manifest names"), "{text}");
-        assert!(here.backend().list("").expect("lists").is_empty());
+        assert!(here.backend().keys("").expect("lists").is_empty());
         for key in ["scenes/0004/a", "scenes/0003/../../a", "/etc/a", "scenes/00031/a", "scenes/0003//a"] {
             let mut foreign = manifest.clone();
             foreign.outputs[0].key = key.into();

@@ -5,6 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use schema::table::{Column, Row};
 
+use crate::backend::Area;
 use crate::error::sound;
 use crate::manifest::{MadeBy, Manifest, Output, Redo};
 use crate::table::{TableOptions, TableWriter, write_columns};
@@ -123,7 +124,7 @@ impl Attempt {
     /// The store cannot be read or written.
     pub fn start(store: &Store, identity: Identity, force: bool) -> Result<Self, StoreError> {
         let (scope, stage) = (identity.scope, identity.stage.as_str());
-        store.backend().sweep(&scope.swept_folder(), stage)?;
+        sweep(store, scope, stage)?;
         let old = sound(store.manifest(scope, stage))?;
         let old_stands = store.backend().size(&scope.manifest(stage))?.is_some();
         let (redo, earlier) = match old {
@@ -150,7 +151,7 @@ impl Attempt {
         if let Some(old) = &redo.old {
             earlier.add(old, identity, force);
         }
-        for key in store.backend().list(&scope.parts(stage))? {
+        for key in store.backend().keys(&scope.parts(stage))? {
             let Some(part) = sound(store.read_json::<Manifest>(&key))? else { continue };
             earlier.add(&part, identity, force);
             let is_same = (&part.code_version, &part.config_hash, &part.inputs)
@@ -201,8 +202,8 @@ impl Attempt {
     /// The store cannot be listed or changed.
     pub fn tidy(store: &Store, scope: Scope, stage: &str) -> Result<(), StoreError> {
         let backend = store.backend();
-        backend.sweep(&scope.swept_folder(), stage)?;
-        for key in backend.list(&scope.parts(stage))? {
+        sweep(store, scope, stage)?;
+        for key in backend.keys(&scope.parts(stage))? {
             backend.remove(&key)?;
         }
         backend.remove(&scope.redo(stage))?;
@@ -335,6 +336,17 @@ impl Attempt {
             made_by: self.identity.made_by.clone(),
         }
     }
+}
+
+/// Removes what killed writers of a stage left unfinished of a scope.
+fn sweep(store: &Store, scope: Scope, stage: &str) -> Result<(), StoreError> {
+    for folder in scope.folders() {
+        store.backend().sweep(Area::Below(&folder), stage)?;
+    }
+    if scope.writes_at_top() {
+        store.backend().sweep(Area::Top, stage)?;
+    }
+    Ok(())
 }
 
 /// A unit of work within a try: its shards are kept once it is finished, even if the try is killed later.

@@ -7,6 +7,10 @@ use bytes::Bytes;
 
 use crate::StoreError;
 
+/// Objects of more bytes are read in parts alone: records are far smaller, and a damaged place must not fill
+/// the memory.
+pub const LARGEST_READ: u64 = 64 << 20;
+
 /// A place of storage: objects under keys, which are relative paths with `/`.
 ///
 /// Nothing here renames, appends or changes a part of an object, so each operation is one request to an
@@ -31,7 +35,7 @@ pub trait Backend: Send + Sync {
     /// A whole small object, or `None` when it does not exist.
     ///
     /// # Errors
-    /// It exists and cannot be read.
+    /// It exists and cannot be read, or is larger than [`LARGEST_READ`].
     fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError>;
 
     /// Opens an object for reading parts of it.
@@ -52,12 +56,26 @@ pub trait Backend: Send + Sync {
     /// It exists and cannot be removed.
     fn remove(&self, key: &str) -> Result<(), StoreError>;
 
-    /// Keys of all objects below a folder (`""`: of the whole store), sorted. What is still being written is
-    /// none.
+    /// All that lies below a folder (`""`: in the whole store), with sizes.
     ///
     /// # Errors
     /// The place cannot be listed.
-    fn list(&self, folder: &str) -> Result<Vec<String>, StoreError>;
+    fn list(&self, folder: &str) -> Result<Listing, StoreError>;
+
+    /// Keys of all objects below a folder, sorted.
+    ///
+    /// # Errors
+    /// The place cannot be listed.
+    fn keys(&self, folder: &str) -> Result<Vec<String>, StoreError> {
+        Ok(self.list(folder)?.objects.into_iter().map(|object| object.key).collect())
+    }
+
+    /// Names of the folders right below a folder, sorted. There may be some without an object: where one was
+    /// being written, say.
+    ///
+    /// # Errors
+    /// The place cannot be listed.
+    fn folders(&self, folder: &str) -> Result<Vec<String>, StoreError>;
 
     /// What was begun with [`Backend::create`] below a folder and neither committed nor discarded: in the
     /// hands of a living process, or left by one that was killed.
@@ -66,15 +84,42 @@ pub trait Backend: Send + Sync {
     /// The place cannot be listed.
     fn unfinished(&self, folder: &str) -> Result<Vec<Unfinished>, StoreError>;
 
-    /// Removes what writers of `owner` left unfinished below a folder, but not what is in the hands of
-    /// another living process. Returns how many there were.
+    /// Removes what writers of `owner` left unfinished in some area, but not what is in the
+    /// hands of another living process. Returns how many there were.
     ///
     /// # Errors
     /// The place cannot be listed or changed.
-    fn sweep(&self, folder: &str, owner: &str) -> Result<usize, StoreError>;
+    fn sweep(&self, area: Area<'_>, owner: &str) -> Result<usize, StoreError>;
 
     /// Where a key is, for messages.
     fn location(&self, key: &str) -> String;
+}
+
+/// What lies below a folder.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Listing {
+    /// The objects, sorted by key. What is still being written is none.
+    pub objects: Vec<Listed>,
+    /// Whether something was met that was begun and is not there yet, or never will be.
+    pub has_unfinished: bool,
+}
+
+/// An object of a listing.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Listed {
+    /// Its key.
+    pub key: String,
+    /// Its size.
+    pub bytes: u64,
+}
+
+/// An area of a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Area<'a> {
+    /// Objects whose keys name no folder.
+    Top,
+    /// All below a folder, at any depth.
+    Below(&'a str),
 }
 
 /// An object being written. Dropping it discards what was written.
@@ -97,6 +142,23 @@ pub trait Shard: Send + Sync {
     /// # Errors
     /// They cannot be read, or the range reaches beyond the end.
     fn read_at(&self, range: Range<u64>) -> std::io::Result<Bytes>;
+}
+
+/// A whole object in memory.
+pub(crate) struct Whole(pub(crate) Bytes);
+
+impl Shard for Whole {
+    fn size(&self) -> u64 {
+        self.0.len() as u64
+    }
+
+    fn read_at(&self, range: Range<u64>) -> std::io::Result<Bytes> {
+        let part = usize::try_from(range.start).ok().zip(usize::try_from(range.end).ok());
+        match part {
+            Some((start, end)) if start <= end && end <= self.0.len() => Ok(self.0.slice(start..end)),
+            _ => Err(std::io::ErrorKind::UnexpectedEof.into()),
+        }
+    }
 }
 
 /// An object that was begun and is not there yet.

@@ -1,7 +1,7 @@
 //! The store on a file system.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::ops::Range;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
@@ -9,8 +9,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use bytes::Bytes;
+use walkdir::{DirEntry, WalkDir};
 
-use crate::backend::{Backend, Shard, Sink, Unfinished};
+use crate::backend::{Area, Backend, LARGEST_READ, Listed, Listing, Shard, Sink, Unfinished};
 use crate::error::StoreError;
 use crate::process::{host, is_running};
 
@@ -71,13 +72,17 @@ impl Disk {
         Ok(DiskSink { file: BufWriter::with_capacity(1 << 16, file), unfinished, path, committed: false })
     }
 
-    /// Unfinished files below a folder, with their owners.
-    fn unfinished_files(&self, folder: &str) -> Result<Vec<(PathBuf, UnfinishedName)>, StoreError> {
-        let named = |path: PathBuf| {
-            let name = UnfinishedName::parse(&path.file_name()?.to_string_lossy())?;
-            Some((path, name))
+    /// Unfinished files in an area, with their owners.
+    fn unfinished_files(&self, area: Area<'_>) -> Result<Vec<(PathBuf, UnfinishedName)>, StoreError> {
+        let named = |entry: DirEntry| {
+            let name = UnfinishedName::parse(&entry.file_name().to_string_lossy())?;
+            Some((entry.into_path(), name))
         };
-        Ok(self.walk(folder)?.into_iter().filter_map(named).collect())
+        let (folder, depth) = match area {
+            Area::Top => ("", 1),
+            Area::Below(folder) => (folder, usize::MAX),
+        };
+        Ok(self.walk(folder, depth)?.into_iter().filter_map(named).collect())
     }
 }
 
@@ -177,8 +182,21 @@ impl Backend for Disk {
     }
 
     fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
-        match fs::read(self.path(key)) {
-            Ok(bytes) => Ok(Some(bytes)),
+        let read = || -> io::Result<Result<Vec<u8>, u64>> {
+            let mut bytes = Vec::new();
+            let file = File::open(self.path(key))?;
+            let length = file.metadata()?.len();
+            if length > LARGEST_READ {
+                return Ok(Err(length));
+            }
+            bytes.reserve_exact(usize::try_from(length).map_err(io::Error::other)?);
+            // It may grow meanwhile, if it is none of ours.
+            file.take(LARGEST_READ).read_to_end(&mut bytes)?;
+            Ok(Ok(bytes))
+        };
+        match read() {
+            Ok(Ok(bytes)) => Ok(Some(bytes)),
+            Ok(Err(length)) => Err(StoreError::too_large(self.location(key), length)),
             Err(e) if is_absent(&e) => Ok(None),
             Err(e) => Err(StoreError::read(self.location(key), "read", e)),
         }
@@ -217,22 +235,47 @@ impl Backend for Disk {
         Ok(())
     }
 
-    fn list(&self, folder: &str) -> Result<Vec<String>, StoreError> {
-        let mut keys = Vec::new();
-        for path in self.walk(folder)? {
-            let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-            if UnfinishedName::parse(&name).is_none()
-                && let Ok(key) = path.strip_prefix(&self.root)
-            {
-                keys.push(key.to_string_lossy().into_owned());
+    fn list(&self, folder: &str) -> Result<Listing, StoreError> {
+        let mut listing = Listing::default();
+        for entry in self.walk(folder, usize::MAX)? {
+            if UnfinishedName::parse(&entry.file_name().to_string_lossy()).is_some() {
+                listing.has_unfinished = true;
+                continue;
+            }
+            let Ok(key) = entry.path().strip_prefix(&self.root) else { continue };
+            let bytes = match entry.metadata() {
+                Ok(meta) => meta.len(),
+                Err(e) if e.io_error().is_some_and(is_absent) => continue,
+                Err(e) => {
+                    return Err(StoreError::read(entry.path().display().to_string(), "look at", e.into()));
+                }
+            };
+            listing.objects.push(Listed { key: key.to_string_lossy().into_owned(), bytes });
+        }
+        listing.objects.sort_unstable();
+        Ok(listing)
+    }
+
+    fn folders(&self, folder: &str) -> Result<Vec<String>, StoreError> {
+        let failed = |e| StoreError::read(self.location(folder), "list", e);
+        let entries = match fs::read_dir(self.path(folder)) {
+            Err(e) if is_absent(&e) => return Ok(Vec::new()),
+            entries => entries.map_err(failed)?,
+        };
+        let mut names = Vec::new();
+        for entry in entries {
+            let entry = entry.map_err(failed)?;
+            // Behind links, too.
+            if entry.path().is_dir() {
+                names.push(entry.file_name().to_string_lossy().into_owned());
             }
         }
-        keys.sort_unstable();
-        Ok(keys)
+        names.sort_unstable();
+        Ok(names)
     }
 
     fn unfinished(&self, folder: &str) -> Result<Vec<Unfinished>, StoreError> {
-        let files = self.unfinished_files(folder)?.into_iter();
+        let files = self.unfinished_files(Area::Below(folder))?.into_iter();
         Ok(files
             .map(|(path, name)| Unfinished {
                 location: path.display().to_string(),
@@ -242,9 +285,9 @@ impl Backend for Disk {
             .collect())
     }
 
-    fn sweep(&self, folder: &str, owner: &str) -> Result<usize, StoreError> {
+    fn sweep(&self, area: Area<'_>, owner: &str) -> Result<usize, StoreError> {
         let mut swept = 0;
-        for (path, name) in self.unfinished_files(folder)? {
+        for (path, name) in self.unfinished_files(area)? {
             if name.owner == owner && name.is_abandoned(&path) {
                 fs::remove_file(&path)
                     .map_err(|e| StoreError::write(path.display().to_string(), "remove the leftover", e))?;
@@ -260,15 +303,18 @@ impl Backend for Disk {
 }
 
 impl Disk {
-    fn walk(&self, folder: &str) -> Result<Vec<PathBuf>, StoreError> {
+    /// Files below a folder, down to a depth.
+    fn walk(&self, folder: &str, depth: usize) -> Result<Vec<DirEntry>, StoreError> {
         let start = self.path(folder);
         let mut files = Vec::new();
-        for entry in walkdir::WalkDir::new(&start).sort_by_file_name() {
+        for entry in WalkDir::new(&start).max_depth(depth).follow_links(true).sort_by_file_name() {
             match entry {
-                Ok(entry) if entry.file_type().is_file() => files.push(entry.into_path()),
+                Ok(entry) if entry.file_type().is_file() => files.push(entry),
                 Ok(_) => {}
                 // A file or folder that vanishes while walking is another process's business.
                 Err(e) if e.io_error().is_some_and(is_absent) => {}
+                // A link to a folder in which it lies.
+                Err(e) if e.loop_ancestor().is_some() => {}
                 Err(e) => {
                     let path = e.path().unwrap_or(&start).display().to_string();
                     return Err(StoreError::read(path, "list", e.into()));

@@ -146,6 +146,12 @@ impl StoreError {
         Self::Write { path: path.into(), action, source }
     }
 
+    /// An object that is too large to be what it should be.
+    pub(crate) fn too_large(path: String, bytes: u64) -> Self {
+        let problem = format!("has {bytes} bytes: no record is so large, nor any table that is read whole");
+        Self::Corrupt { path, problem }
+    }
+
     /// A failed read.
     #[must_use]
     pub fn read(path: impl Into<String>, action: &'static str, source: io::Error) -> Self {

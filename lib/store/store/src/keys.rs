@@ -35,14 +35,20 @@ impl Scope {
         }
     }
 
-    /// The folder in which a stage's leftovers may lie: the plan's shards are spread over the store, and the
-    /// statistics have a card at its root.
+    /// The folders in which stages of the scope write.
     #[must_use]
-    pub fn swept_folder(self) -> String {
-        match self {
-            Self::Plan | Self::Stats => String::new(),
-            Self::Scene(_) | Self::Tile { .. } => self.folder(),
+    pub fn folders(self) -> Vec<String> {
+        let mut folders = vec![self.folder()];
+        if self == Self::Plan {
+            folders.extend(["maps".to_owned(), "models".to_owned()]);
         }
+        folders
+    }
+
+    /// Whether stages of the scope also write beside all folders: a plan its record, statistics their card.
+    #[must_use]
+    pub fn writes_at_top(self) -> bool {
+        matches!(self, Self::Plan | Self::Stats)
     }
 
     /// The manifest of a stage.

@@ -38,7 +38,7 @@ use std::ffi::OsStr;
 use std::sync::Arc;
 
 pub use attempt::{Attempt, Identity, Unit};
-pub use backend::{Backend, Shard, Sink, Unfinished};
+pub use backend::{Area, Backend, LARGEST_READ, Listed, Listing, Shard, Sink, Unfinished};
 pub use disk::Disk;
 pub use error::StoreError;
 pub use groups::RowGroups;
@@ -48,7 +48,7 @@ pub use lock::{Lock, LockEvents, Pace, Work};
 pub use manifest::{Failure, MadeBy, Manifest, Output, Redo};
 pub use memory::Memory;
 pub use read::TableHead;
-pub use roster::{SceneKind, kind_names, scene_kinds, scenes_begun};
+pub use roster::{SceneKind, has_scenes, kind_names, scene_kinds, scenes_begun};
 pub use shard::ShardStream;
 pub use table::{EncodedGroup, GroupEncoder, TableOptions, TableWriter};
 pub use verify::{Finding, Problem, Verification, verify};

@@ -21,6 +21,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
+use crate::backend::Area;
 use crate::holder::Holder;
 use crate::manifest::to_json;
 use crate::{Store, StoreError, hash_bytes, keys, process};
@@ -122,7 +123,7 @@ impl Lock {
     /// # Errors
     /// The store cannot be listed or changed.
     pub fn sweep(store: &Store) -> Result<usize, StoreError> {
-        store.backend().sweep(keys::LOCKS, keys::LOCKS)
+        store.backend().sweep(Area::Below(keys::LOCKS), keys::LOCKS)
     }
 }
 
@@ -217,7 +218,7 @@ impl Own {
     /// folder is read.
     fn others(&self) -> Result<BTreeSet<String>, StoreError> {
         let own = name_of(&self.work.key);
-        let list = || self.store.backend().list(keys::LOCKS);
+        let list = || self.store.backend().keys(keys::LOCKS);
         let mut found: BTreeSet<String> = list()?.into_iter().chain(list()?).collect();
         found.retain(|key| Named::parse(key).is_some_and(|named| named.work != own));
         Ok(found)
@@ -247,7 +248,7 @@ impl Own {
     fn sweep(&self) -> Result<Vec<Holder>, StoreError> {
         let (own, host) = (name_of(&self.work.key), &self.entry.holder.host);
         let mut dead = Vec::new();
-        for key in self.store.backend().list(keys::LOCKS)? {
+        for key in self.store.backend().keys(keys::LOCKS)? {
             let is_ended = |named: Named<'_>| {
                 named.work == own && named.host == *host && !process::is_running(named.process)
             };

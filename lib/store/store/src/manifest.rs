@@ -73,6 +73,9 @@ pub struct MadeBy {
     pub commit: Option<String>,
     /// BLAKE3 of the program's file, without the commit that is written into it.
     pub program: String,
+    /// Of a plan, the versions of all stages of that build, by name: tasks of another one are refused.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub versions: BTreeMap<String, String>,
     /// The GPU that looked at the scene, and its driver; none where the CPU did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub device: Option<String>,

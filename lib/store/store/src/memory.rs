@@ -1,13 +1,12 @@
 //! A store in memory: for tests, and the pattern for places without a file system.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
-use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bytes::Bytes;
 
-use crate::backend::{Backend, Shard, Sink, Unfinished};
+use crate::backend::{Area, Backend, LARGEST_READ, Listed, Listing, Shard, Sink, Unfinished, Whole};
 use crate::error::StoreError;
 
 /// Objects in memory, gone with the process. Its contract is that of an object store: an object is put whole,
@@ -113,22 +112,6 @@ impl Drop for Upstream {
     }
 }
 
-struct Object(Bytes);
-
-impl Shard for Object {
-    fn size(&self) -> u64 {
-        self.0.len() as u64
-    }
-
-    fn read_at(&self, range: Range<u64>) -> io::Result<Bytes> {
-        let part = usize::try_from(range.start).ok().zip(usize::try_from(range.end).ok());
-        match part {
-            Some((start, end)) if start <= end && end <= self.0.len() => Ok(self.0.slice(start..end)),
-            _ => Err(io::ErrorKind::UnexpectedEof.into()),
-        }
-    }
-}
-
 /// Whether a key lies below a folder; everything lies below `""`.
 fn is_below(key: &str, folder: &str) -> bool {
     let folder = folder.trim_end_matches('/');
@@ -161,12 +144,17 @@ impl Backend for Memory {
     }
 
     fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
-        Ok(self.inner().objects.get(key).map(|bytes| bytes.to_vec()))
+        match self.inner().objects.get(key) {
+            Some(bytes) if bytes.len() as u64 > LARGEST_READ => {
+                Err(StoreError::too_large(self.location(key), bytes.len() as u64))
+            }
+            found => Ok(found.map(|bytes| bytes.to_vec())),
+        }
     }
 
     fn open(&self, key: &str) -> Result<Box<dyn Shard>, StoreError> {
         match self.inner().objects.get(key) {
-            Some(bytes) => Ok(Box::new(Object(bytes.clone()))),
+            Some(bytes) => Ok(Box::new(Whole(bytes.clone()))),
             None => Err(StoreError::Missing { path: self.location(key) }),
         }
     }
@@ -180,8 +168,24 @@ impl Backend for Memory {
         Ok(())
     }
 
-    fn list(&self, folder: &str) -> Result<Vec<String>, StoreError> {
-        Ok(self.inner().objects.keys().filter(|key| is_below(key, folder)).cloned().collect())
+    fn list(&self, folder: &str) -> Result<Listing, StoreError> {
+        let inner = self.inner();
+        let below = inner.objects.iter().filter(|(key, _)| is_below(key, folder));
+        let listed = |(key, bytes): (&String, &Bytes)| Listed { key: key.clone(), bytes: bytes.len() as u64 };
+        Ok(Listing {
+            objects: below.map(listed).collect(),
+            has_unfinished: inner.uploads.values().any(|upload| is_below(&upload.key, folder)),
+        })
+    }
+
+    fn folders(&self, folder: &str) -> Result<Vec<String>, StoreError> {
+        let inner = self.inner();
+        let below = inner.objects.keys().filter(|key| is_below(key, folder));
+        let name = |key: &String| {
+            let rest = key.strip_prefix(folder.trim_end_matches('/'))?.trim_start_matches('/');
+            Some(rest.split_once('/')?.0.to_owned())
+        };
+        Ok(below.filter_map(name).collect::<BTreeSet<_>>().into_iter().collect())
     }
 
     fn unfinished(&self, folder: &str) -> Result<Vec<Unfinished>, StoreError> {
@@ -196,12 +200,16 @@ impl Backend for Memory {
             .collect())
     }
 
-    fn sweep(&self, folder: &str, owner: &str) -> Result<usize, StoreError> {
+    fn sweep(&self, area: Area<'_>, owner: &str) -> Result<usize, StoreError> {
         let mut inner = self.inner();
         let before = inner.uploads.len();
         // Only this process can see the place, and a process starts a stage once at a time: what is left is
         // abandoned.
-        inner.uploads.retain(|_, upload| upload.owner != owner || !is_below(&upload.key, folder));
+        let lies_there = |key: &str| match area {
+            Area::Top => !key.contains('/'),
+            Area::Below(folder) => is_below(key, folder),
+        };
+        inner.uploads.retain(|_, upload| upload.owner != owner || !lies_there(&upload.key));
         Ok(before - inner.uploads.len())
     }
 

@@ -6,11 +6,14 @@ use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions};
 use schema::table::Row;
 use serde::de::DeserializeOwned;
 
-use crate::backend::Shard;
+use crate::backend::{Shard, Whole};
 use crate::groups::RowGroups;
 use crate::manifest::Manifest;
 use crate::shard::{Chunks, ShardStream};
 use crate::{Store, StoreError};
+
+/// Outputs of at most so many bytes are read in one go.
+const SMALL: u64 = 1 << 20;
 
 impl Store {
     /// A whole table that a manifest names.
@@ -130,14 +133,18 @@ impl Store {
             let problem = format!("is not among the outputs of stage {}", manifest.stage);
             return Err(StoreError::Corrupt { path, problem });
         };
-        match self.backend().size(key)? {
-            None => return Err(StoreError::Missing { path }),
-            Some(found) if found != output.bytes => {
-                return Err(StoreError::Size { path, expected: output.bytes, found });
+        let shard: Box<dyn Shard> = if output.bytes <= SMALL {
+            match self.backend().read(key)? {
+                Some(bytes) => Box::new(Whole(bytes.into())),
+                None => return Err(StoreError::Missing { path }),
             }
-            Some(_) => {}
+        } else {
+            self.backend().open(key)?
+        };
+        match shard.size() {
+            found if found != output.bytes => Err(StoreError::Size { path, expected: output.bytes, found }),
+            _ => Ok(shard),
         }
-        self.backend().open(key)
     }
 }
 

@@ -7,6 +7,9 @@ use serde::Deserialize;
 use crate::error::sound;
 use crate::{Store, StoreError, keys};
 
+/// The folder of all scenes.
+const SCENES: &str = "scenes";
+
 /// By which configuration a scene is made.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct SceneKind {
@@ -60,9 +63,22 @@ pub fn kind_names(kinds: &BTreeMap<u32, SceneKind>) -> BTreeMap<u32, String> {
 /// # Errors
 /// The store cannot be read.
 pub fn scenes_begun(store: &Store) -> Result<BTreeSet<u32>, StoreError> {
-    let keys = store.backend().list("scenes")?;
-    let scene = |key: &String| key.strip_prefix("scenes/")?.split_once("/_manifests/")?.0.parse().ok();
-    Ok(keys.iter().filter_map(scene).collect())
+    let mut begun = BTreeSet::new();
+    for name in store.backend().folders(SCENES)? {
+        let Ok(scene) = name.parse() else { continue };
+        if !store.backend().keys(&format!("{SCENES}/{name}/_manifests"))?.is_empty() {
+            begun.insert(scene);
+        }
+    }
+    Ok(begun)
+}
+
+/// Whether a store has the folder of any scene.
+///
+/// # Errors
+/// The store cannot be read.
+pub fn has_scenes(store: &Store) -> Result<bool, StoreError> {
+    Ok(!store.backend().folders(SCENES)?.is_empty())
 }
 
 #[cfg(test)]

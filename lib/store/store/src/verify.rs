@@ -89,7 +89,7 @@ pub fn verify(
     let mut unfinished = store.backend().unfinished("")?;
     unfinished.retain(|upload| upload.owner != keys::LOCKS);
     let mut result = Verification { unfinished, ..Verification::default() };
-    let mut files = store.backend().list("")?;
+    let mut files = store.backend().keys("")?;
     // Who is at work is nothing of the dataset.
     files.retain(|key| !keys::is_lock(key));
     let mut known = Known::default();

@@ -30,7 +30,7 @@ fn run(root: &Path, store: &Store, force: bool, reports: i64) -> Result<Outcome,
 
 /// What a store holds, by key.
 fn content(store: &Store) -> BTreeMap<String, Vec<u8>> {
-    let keys = store.backend().list("").expect("lists");
+    let keys = store.backend().keys("").expect("lists");
     keys.into_iter().map(|key| (key.clone(), store.read(&key).expect("reads").expect("is there"))).collect()
 }
 

@@ -4,11 +4,15 @@ use std::io::Write;
 use std::sync::{Arc, LazyLock};
 
 use schema::scene_info::LOG_STAGE;
+use settings::DatasetSettings;
 use settings::stages::MaskSettings;
-use store::{Backend, Memory};
+use store::{Backend, Manifest, Memory};
 
 use super::*;
-use crate::status::plan_section;
+
+mod counted;
+
+use crate::state::plan_section;
 use crate::views::example_settings;
 
 /// A store in which three scenes are planned and simulated.
@@ -18,7 +22,7 @@ fn simulated(store: &Store, settings: &DatasetSettings) {
         let programs = Programs::given(Some("c"), &[]);
         let editions = Editions::only(settings);
         let status = Status::new(store, &editions, &programs);
-        let ready = status.inputs(spec, scope).expect("reads").expect("is ready");
+        let ready = status.survey(scope).inputs(spec).expect("reads").expect("is ready");
         let identity = Identity {
             stage: name.into(),
             scope,
@@ -57,8 +61,20 @@ fn run_of<'a>(
         force: false,
         accept_code: false,
         progress: ProgressMode::None,
+        shard: None,
+        known: Arc::default(),
         prepared: Prepared::default(),
     }
+}
+
+/// Runs some scenes.
+fn some(run: &Run<'_, MaskSettings>, scopes: &[Scope]) -> Result<u8, StageError> {
+    run.all(&run.look(scopes)?.0)
+}
+
+/// Runs all scenes that there are.
+fn all(run: &Run<'_, MaskSettings>) -> Result<u8, StageError> {
+    some(run, &SCENES)
 }
 
 /// The programs of a commit.
@@ -110,14 +126,14 @@ fn a_panic_is_the_fault_of_its_scene_alone() {
         assert!(numbers.len() != 1 || numbers.get(1).is_some(), "number {} of {}", 1, numbers.len());
         Ok(())
     });
-    assert_eq!(bad.all(&SCENES).expect("goes on"), EXIT_SOME_FAILED);
+    assert_eq!(all(&bad).expect("goes on"), EXIT_SOME_FAILED);
     let [first, second, third] = states(&bad);
     assert_eq!([first, third], [State::Done, State::Done]);
     let reason = "a bug in Convoy: number 1 of 1 (please report it)".to_owned();
     assert_eq!(second, State::Failed(reason));
 
     let corrected = run_of(&settings, &store, |job| write(job, 10));
-    assert_eq!(corrected.all(&SCENES).expect("runs"), EXIT_DONE);
+    assert_eq!(all(&corrected).expect("runs"), EXIT_DONE);
     assert_eq!(states(&corrected), [State::Done, State::Done, State::Done]);
     assert!(store.read(&SCENES[1].failure("bev-gt")).expect("asks").is_none(), "is forgotten");
 }
@@ -128,16 +144,16 @@ fn a_full_store_stops_the_stage_and_blames_no_scene() {
     let whole = Memory::default();
     simulated(&Store::new(Arc::new(whole.clone())), &settings);
     // The same store with room for one scene's file and its records.
-    let used: u64 = whole.list("").expect("lists").iter().filter_map(|key| whole.size(key).ok()?).sum();
+    let used: u64 = whole.keys("").expect("lists").iter().filter_map(|key| whole.size(key).ok()?).sum();
     let small = Memory::with_capacity(usize::try_from(used).expect("is small") + 6000);
-    for key in whole.list("").expect("lists") {
+    for key in whole.keys("").expect("lists") {
         let mut sink = small.create(&key, "copy").expect("creates");
         sink.write_all(&whole.read(&key).expect("reads").expect("is there")).expect("writes");
         sink.commit().expect("commits");
     }
     let store = Store::new(Arc::new(small));
     let run = run_of(&settings, &store, |job| write(job, 3000));
-    let error = run.all(&SCENES).expect_err("is full");
+    let error = all(&run).expect_err("is full");
     assert_eq!(error.exit_code(), crate::EXIT_TRY_AGAIN);
     assert!(error.report().contains("scenes/0001/bev/vehicle_0.npz: cannot write"), "{}", error.report());
     assert_eq!(states(&run), [State::Done, State::Missing, State::Missing]);
@@ -152,7 +168,7 @@ fn what_is_not_ready_is_no_failure() {
     let run = run_of(&settings, &store, |job| write(job, 10));
     let error = run.one(SCENES[1]).expect_err("has no log");
     assert_eq!(error.report(), "simulate-and-log is missing: run that first");
-    assert_eq!(run.all(&SCENES).expect("goes on"), EXIT_SOME_FAILED);
+    assert_eq!(all(&run).expect("goes on"), EXIT_SOME_FAILED);
     assert_eq!(states(&run), [State::Done, State::Missing, State::Done]);
     // A log that failed is told once, with its own reason.
     let failure = Failure { code_version: "x".into(), reason: "no driving lanes".into() };
@@ -171,7 +187,7 @@ fn a_store_of_another_format_is_left_alone() {
     manifest.format_version += 1;
     store.write_json(&key, "test", &manifest).expect("writes");
     let run = run_of(&settings, &store, |job| write(job, 10));
-    assert_eq!(run.all(&SCENES).expect_err("is of another format").exit_code(), EXIT_USAGE);
+    assert_eq!(all(&run).expect_err("is of another format").exit_code(), EXIT_USAGE);
     assert!(store.read(&SCENES[1].failure("bev-gt")).expect("asks").is_none());
 }
 
@@ -181,7 +197,7 @@ fn what_older_code_made_is_kept_when_told_so() {
     let store = Store::open("memory:").expect("is a place");
     simulated(&store, &settings);
     let run = run_of(&settings, &store, |job| write(job, 10));
-    assert_eq!(run.all(&SCENES).expect("runs"), EXIT_DONE);
+    assert_eq!(all(&run).expect("runs"), EXIT_DONE);
     let of = |scope: Scope| store.manifest(scope, "bev-gt").expect("reads").expect("is there");
     for scope in &SCENES[1..] {
         let older = Manifest { code_version: "0.0.9+older".into(), ..of(*scope) };
@@ -201,7 +217,7 @@ fn what_older_code_made_is_kept_when_told_so() {
 
     let digest = of(SCENES[1]).digest();
     let accepting = Run { accept_code: true, ..run_of(&settings, &store, |_| panic!("is not run")) };
-    assert_eq!(accepting.all(&SCENES[..2]).expect("keeps"), EXIT_DONE);
+    assert_eq!(some(&accepting, &SCENES[..2]).expect("keeps"), EXIT_DONE);
     assert_eq!(states(&run), [State::Done, State::Done, stale], "recorded, for who does not ask again");
     let kept = of(SCENES[1]);
     assert_eq!((kept.code_version.as_str(), kept.accepted_by.len()), ("0.0.9+older", 1));
@@ -212,7 +228,7 @@ fn what_older_code_made_is_kept_when_told_so() {
     let mut finer = settings.clone();
     finer.bev.cell_m *= 0.5;
     let again = Run { accept_code: true, ..run_of(&finer, &store, |job| write(job, 20)) };
-    assert_eq!(again.all(&SCENES[2..]).expect("runs"), EXIT_DONE);
+    assert_eq!(some(&again, &SCENES[2..]).expect("runs"), EXIT_DONE);
     let made = of(SCENES[2]);
     assert_eq!((made.outputs[0].bytes, made.accepted_by.len()), (20, 0));
     assert_eq!(made.code_version, crate::code_version("bev-gt"));
@@ -231,7 +247,7 @@ fn an_edited_program_makes_its_stage_again_and_leaves_others() {
         Box::leak(Box::new(Programs::given(commit, &[("bev-gt", program)])))
     };
     let committed = of_build(programs(Some("c"), "p"), |job| write(job, 10));
-    assert_eq!(committed.all(&SCENES).expect("runs"), EXIT_DONE);
+    assert_eq!(all(&committed).expect("runs"), EXIT_DONE);
     let made_by =
         store.manifest(SCENES[0], "bev-gt").expect("reads").and_then(|m| m.made_by).expect("is said");
     assert_eq!((made_by.commit.as_deref(), made_by.program.as_str()), (Some("c"), "p"));
@@ -258,11 +274,11 @@ fn an_edited_program_makes_its_stage_again_and_leaves_others() {
     assert_eq!(status.state(log, SCENES[0]).expect("is known"), State::Done, "has no edited program");
 
     // What the edited program makes is not trusted by the next build, unless told so.
-    assert_eq!(edited.all(&SCENES[..2]).expect("runs"), EXIT_DONE);
+    assert_eq!(some(&edited, &SCENES[..2]).expect("runs"), EXIT_DONE);
     let later = programs(Some("e"), "r");
     assert_eq!(states(&of_build(later, |_| Ok(()))), [stale.clone(), stale, State::Done]);
     let accepting = Run { accept_code: true, ..of_build(later, |_| panic!("is not run")) };
-    assert_eq!(accepting.all(&SCENES).expect("keeps"), EXIT_DONE);
+    assert_eq!(all(&accepting).expect("keeps"), EXIT_DONE);
     assert_eq!(states(&of_build(later, |_| Ok(()))), done);
     assert_eq!(states(&edited), [State::Done, State::Done, State::Stale(Staleness::Program)]);
 }
@@ -285,7 +301,7 @@ fn what_was_imported_is_never_stale_and_never_made_again() {
     let settings = DatasetSettings::with_scenes(Vec::new());
     simulated(&store, &settings);
     let run = run_of(&settings, &store, |job| write(job, 10));
-    assert_eq!(run.all(&SCENES[..1]).expect("runs"), EXIT_DONE);
+    assert_eq!(some(&run, &SCENES[..1]).expect("runs"), EXIT_DONE);
     let planner = Graph::get().planner().name;
     for (scope, stage) in
         [(Scope::Plan, planner), (SCENES[0], LOG_STAGE), (SCENES[0], "bev-gt"), (SCENES[1], LOG_STAGE)]
@@ -302,19 +318,19 @@ fn what_was_imported_is_never_stale_and_never_made_again() {
     let sources = BTreeMap::from([("source/a.xodr".to_owned(), "changed".to_owned())]);
     assert_eq!(run.state(SCENES[0], &sources).expect("is known"), State::Done);
 
-    run.refuse_imported(&SCENES[..1]).expect("it is done");
-    run.refuse_imported(&SCENES[2..]).expect("it has a log");
-    let refused = run.refuse_imported(&SCENES).expect_err("scene 1 has none");
+    run.look(&SCENES[..1]).expect("it is done");
+    run.look(&SCENES[2..]).expect("it has a log");
+    let refused = run.look(&SCENES).expect_err("scene 1 has none");
     assert_eq!(refused.exit_code(), EXIT_USAGE);
     assert_eq!(refused.report(), "scene 1: imported, without a log that bev-gt could be made from");
     let forced = Run { force: true, ..run_of(&settings, &store, |job| write(job, 10)) };
-    let refused = forced.refuse_imported(&SCENES[..2]).expect_err("neither can be made again");
+    let refused = forced.look(&SCENES[..2]).expect_err("neither can be made again");
     assert_eq!(refused.report(), "scene 0, scene 1: imported, without a log that bev-gt could be made from");
 
     // Without its file it is stale, and cannot be made again either.
     store.backend().remove("scenes/0000/bev/vehicle_0.npz").expect("removes");
     assert_eq!(states(&run)[0], State::Stale(Staleness::Output));
-    assert!(run.refuse_imported(&SCENES[..1]).is_err());
+    assert!(run.look(&SCENES[..1]).is_err());
 }
 
 #[test]

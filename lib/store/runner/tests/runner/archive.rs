@@ -129,7 +129,7 @@ fn a_full_store_is_nobodys_fault_but_the_disks() {
             assert!(path.ends_with(KEY) || path.contains("/bev_ids/"), "{path}");
         }
         assert!(error.report().contains("make room"), "{}", error.report());
-        let left = store.backend().list("").expect("lists");
+        let left = store.backend().keys("").expect("lists");
         assert!(left.iter().all(|key| !key.ends_with("bev-gt.json")), "{left:?}");
     }
     assert!(full > 15, "{full}");
@@ -141,7 +141,7 @@ fn a_bad_frame_is_named() {
     let error = archive(&store, Some(4)).expect_err("frame 4 is bad");
     assert_eq!(error.exit_code(), runner::EXIT_SOME_FAILED);
     assert_eq!(error.report(), "scene 7 frame 4: no such grid");
-    assert!(store.backend().list("").expect("lists").is_empty());
+    assert!(store.backend().keys("").expect("lists").is_empty());
 }
 
 #[test]
@@ -157,6 +157,6 @@ fn an_array_too_few_or_too_many_is_an_error() {
             report.contains(&format!("the label gave {at_frame_6} arrays for its 2 archives")),
             "{report}"
         );
-        assert!(store.backend().list("").expect("lists").is_empty());
+        assert!(store.backend().keys("").expect("lists").is_empty());
     }
 }

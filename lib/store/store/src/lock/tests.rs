@@ -88,7 +88,7 @@ fn left(store: &Store, key: &str, holder: Holder, turn: Turn) -> String {
 }
 
 fn locks(store: &Store) -> Vec<String> {
-    store.backend().list(keys::LOCKS).expect("lists")
+    store.backend().keys(keys::LOCKS).expect("lists")
 }
 
 /// On a disk and in memory.

@@ -4,7 +4,10 @@ use std::io::Write;
 
 use schema::table::{Column, Row};
 use schema::tables::{GnssRow, LidarRow, SignalRow};
-use store::{Attempt, Identity, MadeBy, Manifest, Problem, Scope, StoreError, TableOptions, keys, verify};
+use store::{
+    Area, Attempt, Identity, Listing, MadeBy, Manifest, Problem, Scope, StoreError, TableOptions, keys,
+    verify,
+};
 
 use crate::common::{Bench, SCOPE, STAGE, gnss, identity, key, on_every_backend, run, run_half};
 
@@ -12,6 +15,8 @@ on_every_backend!(
     rows_come_back_and_checksums_hold,
     columns_that_nobody_asks_for_are_not_read,
     parts_of_an_object_are_read_alone,
+    listings_tell_sizes_and_folders,
+    what_is_far_too_large_for_a_record_is_not_read,
     lists_keep_one_frame_per_group,
     groups_are_encoded_on_any_thread,
     some_rows_of_a_table_are_read,
@@ -81,7 +86,43 @@ fn parts_of_an_object_are_read_alone(bench: &Bench) {
     assert_eq!(bench.store.backend().size("a/c").expect("asks"), None);
     // Folders end where their name does.
     bench.put("ab/c", b"");
-    assert_eq!(bench.store.backend().list("a").expect("lists"), ["a/b"]);
+    assert_eq!(bench.store.backend().keys("a").expect("lists"), ["a/b"]);
+}
+
+fn listings_tell_sizes_and_folders(bench: &Bench) {
+    let backend = bench.store.backend();
+    assert_eq!(backend.list("").expect("lists"), Listing::default());
+    assert_eq!(backend.folders("scenes").expect("lists"), [""; 0]);
+    for (key, bytes) in [("scenes/0007/log/a", 3), ("scenes/0010/b", 0), ("scenes/note", 1), ("top", 2)] {
+        bench.put(key, &vec![7; bytes]);
+    }
+    let listed = |folder: &str| -> Vec<(String, u64)> {
+        let listing = backend.list(folder).expect("lists");
+        listing.objects.into_iter().map(|object| (object.key, object.bytes)).collect()
+    };
+    assert_eq!(listed("scenes/0007"), [("scenes/0007/log/a".to_owned(), 3)]);
+    let all = [("scenes/0007/log/a", 3), ("scenes/0010/b", 0), ("scenes/note", 1), ("top", 2)];
+    assert_eq!(listed(""), all.map(|(key, bytes)| (key.to_owned(), bytes)));
+    assert_eq!(backend.folders("scenes").expect("lists"), ["0007", "0010"]);
+    assert_eq!(backend.folders("").expect("lists"), ["scenes"]);
+    assert_eq!(backend.folders("scenes/0007").expect("lists"), ["log"]);
+
+    let begun = backend.create("scenes/0010/c", STAGE).expect("creates");
+    let has_unfinished = |folder: &str| backend.list(folder).expect("lists").has_unfinished;
+    assert_eq!(["", "scenes/0010", "scenes/0007"].map(has_unfinished), [true, true, false]);
+    drop(begun);
+    assert!(!has_unfinished(""));
+}
+
+fn what_is_far_too_large_for_a_record_is_not_read(bench: &Bench) {
+    let mut sink = bench.store.backend().create("plan/_manifest.json", STAGE).expect("creates");
+    for _ in 0..65 {
+        sink.write_all(&vec![b' '; 1 << 20]).expect("writes");
+    }
+    sink.commit().expect("commits");
+    let error = bench.store.manifest(Scope::Plan, "spawn-planner").expect_err("is refused");
+    assert!(matches!(error, StoreError::Corrupt { .. }), "{error}");
+    assert!(error.to_string().contains("has 68157440 bytes"), "{error}");
 }
 
 fn sweep(frame: u32) -> LidarRow {
@@ -236,7 +277,7 @@ fn a_killed_try_keeps_its_finished_units(broken: &Bench) {
     assert!(store.manifest(SCOPE, STAGE).expect("asks").is_none());
     let left = store.backend().unfinished("").expect("lists");
     assert!(left.len() == 1 && left[0].owner == STAGE && left[0].abandoned, "{left:?}");
-    assert!(!store.backend().list("").expect("lists").contains(&key("vehicle_1")), "half is nothing");
+    assert!(!store.backend().keys("").expect("lists").contains(&key("vehicle_1")), "half is nothing");
 
     let attempt = Attempt::start(store, identity("c"), false).expect("starts again");
     assert!(attempt.unit("vehicle_0").expect("asks").is_none(), "is kept");
@@ -259,12 +300,13 @@ fn a_try_killed_after_its_manifest_is_tidied(bench: &Bench) {
 
 fn leftovers_of_the_plan_are_found_all_over_the_store(bench: &Bench) {
     let backend = bench.store.backend();
-    for key in [keys::DATASET, "maps/convoy/demo.xodr.zst", keys::PLAN_SCENES] {
+    let of_plan = [keys::DATASET, "maps/convoy/demo.xodr.zst", keys::PLAN_SCENES, "models/van/van.glb"];
+    for key in of_plan {
         std::mem::forget(backend.create(key, "spawn-planner").expect("creates"));
     }
-    assert_eq!(backend.unfinished("").expect("lists").len(), 3);
+    assert_eq!(backend.unfinished("").expect("lists").len(), 4);
     assert_eq!(backend.unfinished("maps").expect("lists").len(), 1);
-    assert_eq!(backend.sweep("plan", "bev-gt").expect("sweeps"), 0, "not its owner");
+    assert_eq!(backend.sweep(Area::Below("plan"), "bev-gt").expect("sweeps"), 0, "not its owner");
     Attempt::tidy(&bench.store, Scope::Plan, "spawn-planner").expect("tidies");
     assert!(bench.tree().is_empty());
 }
@@ -498,7 +540,8 @@ fn built(commit: Option<&str>, program: &str) -> Identity {
     let commit = commit.map(str::to_owned);
     // Each by another device.
     let device = Some(format!("device {program}"));
-    let made_by = MadeBy { release: "1".into(), commit, program: program.to_owned(), device };
+    let made_by =
+        MadeBy { release: "1".into(), commit, program: program.to_owned(), device, ..MadeBy::default() };
     Identity { made_by: Some(made_by), ..identity("c") }
 }
 

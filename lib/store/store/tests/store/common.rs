@@ -34,7 +34,7 @@ impl Bench {
     pub(crate) fn tree(&self) -> BTreeMap<String, Vec<u8>> {
         let backend = self.store.backend();
         assert_eq!(backend.unfinished("").expect("lists"), []);
-        let keys = backend.list("").expect("lists");
+        let keys = backend.keys("").expect("lists");
         keys.into_iter().map(|key| (key.clone(), self.bytes(&key))).collect()
     }
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use store::{Backend, Disk};
+use store::{Area, Backend, Disk};
 
 use crate::common::STAGE;
 
@@ -26,14 +26,14 @@ fn what_a_living_process_writes_is_not_swept() {
     let theirs = ours.with_file_name(name.replace(&own_id, &format!("~{}~", other.id())));
     fs::write(&theirs, "half").expect("writes");
     drop(sink);
-    assert_eq!(disk.sweep("", STAGE).expect("sweeps"), 0);
+    assert_eq!(disk.sweep(Area::Below(""), STAGE).expect("sweeps"), 0);
     let seen = disk.unfinished("").expect("lists");
     assert!(seen.len() == 1 && !seen[0].abandoned, "{seen:?}");
     other.kill().expect("is killed");
     other.wait().expect("is reaped");
     assert!(disk.unfinished("").expect("lists")[0].abandoned);
-    assert_eq!(disk.sweep("", "bev-gt").expect("sweeps"), 0, "not its owner");
-    assert_eq!(disk.sweep("", STAGE).expect("sweeps"), 1);
+    assert_eq!(disk.sweep(Area::Below(""), "bev-gt").expect("sweeps"), 0, "not its owner");
+    assert_eq!(disk.sweep(Area::Below(""), STAGE).expect("sweeps"), 1);
     assert!(!theirs.exists());
 }
 
@@ -45,10 +45,30 @@ fn only_our_unfinished_files_are_hidden() {
         fs::write(dir.path().join(name), "x").expect("writes");
     }
     let sink = disk.create("table.parquet", STAGE).expect("creates");
-    assert_eq!(disk.list("").expect("lists"), [".a~b.tmp", ".hidden", "notes.tmp"]);
+    assert_eq!(disk.keys("").expect("lists"), [".a~b.tmp", ".hidden", "notes.tmp"]);
     assert!(disk.put_if_absent("table.parquet", STAGE, b"whole").expect("puts"));
     drop(sink);
     assert_eq!(files(dir.path()).len(), 4, "a put leaves no other name behind");
+}
+
+/// Users put scenes on other disks by links.
+#[cfg(unix)]
+#[test]
+fn what_is_behind_links_is_listed() {
+    use std::os::unix::fs::symlink;
+    let (dir, elsewhere) = (tempfile::tempdir().expect("temp dir"), tempfile::tempdir().expect("temp dir"));
+    let disk = Disk::new(dir.path());
+    fs::create_dir_all(elsewhere.path().join("sensors")).expect("makes");
+    fs::write(elsewhere.path().join("sensors/a"), "abc").expect("writes");
+    fs::create_dir_all(dir.path().join("scenes/0001")).expect("makes");
+    symlink(elsewhere.path(), dir.path().join("scenes/0000")).expect("links");
+    symlink(elsewhere.path().join("sensors"), dir.path().join("scenes/0001/sensors")).expect("links");
+    symlink(elsewhere.path().join("gone"), dir.path().join("scenes/0001/gone")).expect("links");
+    symlink(dir.path().join("scenes"), dir.path().join("scenes/0001/round")).expect("links");
+    assert_eq!(disk.keys("scenes").expect("lists"), ["scenes/0000/sensors/a", "scenes/0001/sensors/a"]);
+    assert_eq!(disk.keys("scenes/0000").expect("lists"), ["scenes/0000/sensors/a"]);
+    assert_eq!(disk.list("scenes/0001").expect("lists").objects[0].bytes, 3);
+    assert_eq!(disk.folders("scenes").expect("lists"), ["0000", "0001"]);
 }
 
 #[test]

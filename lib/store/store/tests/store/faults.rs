@@ -5,7 +5,9 @@ use std::io::{self, Write};
 use std::sync::Arc;
 
 use schema::table::Column;
-use store::{Attempt, Backend, Memory, Shard, Sink, Store, StoreError, Unfinished, Unit, keys};
+use store::{
+    Area, Attempt, Backend, Listing, Memory, Shard, Sink, Store, StoreError, Unfinished, Unit, keys,
+};
 
 use crate::common::{Bench, SCOPE, STAGE, gnss, identity, key, on_every_backend, run};
 
@@ -90,14 +92,17 @@ impl Backend for Failing {
     fn remove(&self, key: &str) -> Result<(), StoreError> {
         self.place.backend().remove(key)
     }
-    fn list(&self, folder: &str) -> Result<Vec<String>, StoreError> {
+    fn list(&self, folder: &str) -> Result<Listing, StoreError> {
         self.place.backend().list(folder)
+    }
+    fn folders(&self, folder: &str) -> Result<Vec<String>, StoreError> {
+        self.place.backend().folders(folder)
     }
     fn unfinished(&self, folder: &str) -> Result<Vec<Unfinished>, StoreError> {
         self.place.backend().unfinished(folder)
     }
-    fn sweep(&self, folder: &str, owner: &str) -> Result<usize, StoreError> {
-        self.place.backend().sweep(folder, owner)
+    fn sweep(&self, area: Area<'_>, owner: &str) -> Result<usize, StoreError> {
+        self.place.backend().sweep(area, owner)
     }
     fn location(&self, key: &str) -> String {
         self.place.location(key)
@@ -221,6 +226,9 @@ fn a_failed_read_is_no_broken_shard() {
             self.0.put_if_absent(key, owner, bytes)
         }
         fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
+            if key.ends_with(".parquet") {
+                return Err(StoreError::read(self.location(key), "read", io::Error::from_raw_os_error(5)));
+            }
             self.0.read(key)
         }
         fn open(&self, key: &str) -> Result<Box<dyn Shard>, StoreError> {
@@ -232,14 +240,17 @@ fn a_failed_read_is_no_broken_shard() {
         fn remove(&self, key: &str) -> Result<(), StoreError> {
             self.0.remove(key)
         }
-        fn list(&self, folder: &str) -> Result<Vec<String>, StoreError> {
+        fn list(&self, folder: &str) -> Result<Listing, StoreError> {
             self.0.list(folder)
+        }
+        fn folders(&self, folder: &str) -> Result<Vec<String>, StoreError> {
+            self.0.folders(folder)
         }
         fn unfinished(&self, folder: &str) -> Result<Vec<Unfinished>, StoreError> {
             self.0.unfinished(folder)
         }
-        fn sweep(&self, folder: &str, owner: &str) -> Result<usize, StoreError> {
-            self.0.sweep(folder, owner)
+        fn sweep(&self, area: Area<'_>, owner: &str) -> Result<usize, StoreError> {
+            self.0.sweep(area, owner)
         }
         fn location(&self, key: &str) -> String {
             self.0.location(key)

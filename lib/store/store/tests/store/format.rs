@@ -49,7 +49,7 @@ fn a_store_of_the_first_format_is_read() {
 #[test]
 fn a_try_of_the_first_format_is_taken_up() {
     let (old, bench) = (fixture(), Bench::in_memory());
-    for key in old.backend().list("").expect("lists") {
+    for key in old.backend().keys("").expect("lists") {
         bench.put(&key, &old.read(&key).expect("reads").expect("is there"));
     }
     let identity = store::Identity { scope: STOPPED, ..identity("c") };

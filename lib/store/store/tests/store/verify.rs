@@ -113,7 +113,12 @@ fn records_that_cannot_be_read_are_named(bench: &Bench) {
 }
 
 fn each_flipped_bit_of_a_manifest_is_found(bench: &Bench) {
-    let made_by = store::MadeBy { release: "0.1.0".into(), commit: None, program: "ab".into(), device: None };
+    let made_by = store::MadeBy {
+        release: "0.1.0".into(),
+        commit: None,
+        program: "ab".into(),
+        ..store::MadeBy::default()
+    };
     let identity = store::Identity { made_by: Some(made_by), ..identity("c") };
     let attempt = Attempt::start(&bench.store, identity, false).expect("starts");
     let manifest = attempt.commit().expect("commits");

@@ -1,0 +1,63 @@
+//! A whole store, each scene looked at once.
+
+use rayon::prelude::*;
+use store::Scope;
+
+use crate::foresight::{Foreseer, Foresight, Intent};
+use crate::graph::{Graph, StageSpec, UnitKind};
+use crate::state::{State, StateError};
+use crate::status::Status;
+use crate::survey::{Inputs, scene_stages};
+
+/// So many scenes are looked at side by side before they are told.
+const AT_ONCE: usize = 256;
+
+/// How a store stands.
+#[derive(Debug)]
+pub struct Overview {
+    /// Of the statistics.
+    pub stats: Vec<(&'static StageSpec, State)>,
+    /// What a run of all stages would make again as the plan stands; nothing of an import.
+    pub foresight: Foresight,
+}
+
+/// Looks at all scenes of the plan and tells the states of each one's stages, in running order, scene by
+/// scene.
+///
+/// # Errors
+/// The store cannot be read.
+pub fn overview(status: &Status<'_>, mut tell: impl FnMut(u32, &[State])) -> Result<Overview, StateError> {
+    let scenes = status.planned_scenes()?;
+    let intent = Intent::to_run_all(status.clone());
+    let foreseer = status.editions().map(|editions| Foreseer::new(&intent, editions)).transpose()?.flatten();
+    let statistics = || Graph::get().stages.iter().filter(|stage| stage.unit == UnitKind::Stats);
+    let mut inputs: Vec<Inputs> = statistics().map(|_| Inputs::default()).collect();
+    let mut found = Vec::new();
+    for some in scenes.as_deref().unwrap_or_default().chunks(AT_ONCE) {
+        let looked = some.par_iter().map(|&scene| {
+            let survey = status.survey(Scope::Scene(scene));
+            let states = scene_stages().map(|stage| survey.state(stage)).collect::<Result<Vec<_>, _>>()?;
+            let digests = statistics().map(|stage| survey.digests_for(stage, scene));
+            let digests = digests.collect::<Result<Vec<_>, _>>()?;
+            let found = foreseer.as_ref().map(|foreseer| foreseer.look(&survey, scene)).transpose()?;
+            Ok::<_, StateError>((scene, states, digests, found.unwrap_or_default()))
+        });
+        for (scene, states, digests, of_scene) in looked.collect::<Result<Vec<_>, _>>()? {
+            tell(scene, &states);
+            inputs.iter_mut().zip(digests).for_each(|(inputs, digests)| inputs.digests.extend(digests));
+            found.push((scene, of_scene));
+        }
+    }
+    let stats = statistics().zip(inputs).map(|(stage, inputs)| {
+        let state = status.survey(Scope::Stats).knowing(inputs).state(stage)?;
+        Ok((stage, state))
+    });
+    let stats = stats.collect::<Result<_, StateError>>()?;
+    let foresight = match foreseer {
+        // Of a plan that was lost no scenes are known, but what was made of them is there.
+        Some(foreseer) if scenes.is_none() => foreseer.all()?,
+        Some(foreseer) => foreseer.sum(found)?,
+        None => Foresight::default(),
+    };
+    Ok(Overview { stats, foresight })
+}
