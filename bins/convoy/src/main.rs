@@ -7,6 +7,7 @@ mod maps;
 mod programs;
 mod shell;
 mod stores;
+mod submit;
 
 use std::process::ExitCode;
 
@@ -27,6 +28,8 @@ struct Args {
 enum Command {
     #[command(flatten)]
     Store(StoreCommand),
+    /// Writes the scripts that make a dataset on a cluster, and sends them on demand.
+    Submit(submit::SubmitArgs),
     /// Checks the labels of a store against each other, from its files alone; exit code 1 when something is
     /// wrong.
     Check(check::CheckArgs),
@@ -48,6 +51,7 @@ fn main() -> ExitCode {
     runner::init_logging();
     ExitCode::from(match args.command {
         Command::Store(command) => stores::drive(command, build_stamp::STAMP),
+        Command::Submit(args) => submit::run(&args, build_stamp::STAMP),
         Command::Check(args) => check::run(&args),
         Command::Program(command) => programs::run(command),
         Command::View(args) => view::run(&args),

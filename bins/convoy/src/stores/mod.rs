@@ -19,6 +19,7 @@ use runner::{Programs, STAMP_LEN, SceneList, Suspicious};
 
 use self::replanning::Replanning;
 use self::run::RunArgs;
+pub(crate) use self::run::{run_program, stage_program};
 use self::status::Told;
 
 /// Commands of the `convoy` program that concern a store.
