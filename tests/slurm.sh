@@ -2,7 +2,7 @@
 # Two nodes of Slurm on this machine make a dataset by the scripts of `convoy submit`; one node is killed in
 # mid-run. The dataset has the bytes of one machine. Usage: tests/slurm.sh FOLDER_OF_PROGRAMS
 # Needs root and Debian's slurm-wlm and munge (apt-get install --no-install-recommends slurm-wlm munge); some
-# eight minutes, of which Slurm holds a requeued task for two.
+# twenty minutes beside a build, of which Slurm holds a requeued task for two.
 set -euo pipefail
 bin=$(realpath "$1")
 scenes=24
