@@ -213,7 +213,8 @@ traffic-report:
 # people's crates have fewer features, and all that stands on them would be built twice.
 test:
 	$(CARGO) build --locked --workspace --bins --tests
-	$(CARGO) nextest run --locked --workspace --tests || { $(CARGO) nextest --version >/dev/null 2>&1 && exit 1; $(CARGO) test --locked --workspace --tests; }
+	$(CARGO) nextest run --locked --workspace --tests --no-fail-fast \
+		|| { $(CARGO) nextest --version >/dev/null 2>&1 && exit 1; $(CARGO) test --locked --workspace --tests --no-fail-fast; }
 	$(CARGO) test --locked --workspace --doc
 	@$(PYTHON) -c 'import numpy, pyarrow' 2>/dev/null \
 		|| echo "note: skipped the check that stock readers open a store: it needs numpy and pyarrow for $(PYTHON)"
