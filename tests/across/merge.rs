@@ -52,6 +52,20 @@ fn stores_of_one_plan_become_one() {
 }
 
 #[test]
+fn some_scenes_are_copied() {
+    let (whole, second) = (made(&config(), "0-1"), made(&config(), "1"));
+    let copy = Bench::new(&config());
+    let args = |scenes: &str| {
+        copy.run("convoy", &["merge", "--scenes", scenes, &whole.store().display().to_string()])
+    };
+    let unknown = args("1,7");
+    assert!(unknown.code == 2 && unknown.stderr.contains("nothing is done of scene 7"), "{}", unknown.stderr);
+    assert!(!copy.store().exists());
+    args("1").expect_done();
+    assert_eq!(copy.digests(), second.digests());
+}
+
+#[test]
 fn stores_of_other_plans_are_refused() {
     let here = made(&config(), "0");
     let before = here.digests();

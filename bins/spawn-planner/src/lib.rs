@@ -140,6 +140,7 @@ fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
     }
     let store = job.store().clone();
     if let Some(mut unit) = job.unit("plan")? {
+        store::probe(&store)?;
         // Before the old plan is touched, so that a run that is killed here gives the same numbers next time.
         store.write_json(keys::ROSTER, NAME, &roster.slots)?;
         for (name, source) in texts {

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use runner::{Graph, StageError};
+use runner::{Graph, SceneList, StageError};
 use serde_json::Value;
 use store::{Manifest, SceneKind, Scope, Store, StoreError};
 
@@ -38,21 +38,26 @@ pub(super) struct Member {
     /// The configurations that its scenes are made by, by edition.
     pub(super) editions: Vec<Value>,
     pub(super) kinds: BTreeMap<u32, SceneKind>,
+    /// The scenes that are meant; all where none are named.
+    pub(super) only: Option<SceneList>,
 }
 
 impl Member {
-    /// None where there is no plan.
-    pub(super) fn open(place: &Path) -> Result<Option<Self>, Fault> {
+    /// A store, of which only some scenes may be meant. None where there is no plan.
+    pub(super) fn open(place: &Path, only: Option<&SceneList>) -> Result<Option<Self>, Fault> {
         let store = Store::open(place)?;
         let Some(plan) = store.manifest(Scope::Plan, Graph::get().planner().name)? else { return Ok(None) };
         let editions = runner::recorded_editions(&store)?;
         let kinds = store::scene_kinds(&store)?;
-        Ok(Some(Self { store, name: place.display().to_string(), plan, editions, kinds }))
+        let (name, only) = (place.display().to_string(), only.cloned());
+        Ok(Some(Self { store, name, plan, editions, kinds, only }))
     }
 
-    /// Scenes of which something is done.
+    /// Scenes of which something is done, of those that are meant.
     pub(super) fn scenes(&self) -> Result<BTreeSet<u32>, StoreError> {
-        store::scenes_begun(&self.store)
+        let mut scenes = store::scenes_begun(&self.store)?;
+        scenes.retain(|scene| self.only.as_ref().is_none_or(|only| only.contains(*scene)));
+        Ok(scenes)
     }
 
     /// What a scene is made by.

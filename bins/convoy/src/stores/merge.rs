@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use runner::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, StageSpec, UnitKind, say, was_stopped,
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, SceneList, StageSpec, UnitKind, say,
+    was_stopped,
 };
 use schema::scene_info::LOG_STAGE;
 use schema::tables::{SceneTileRow, TILE_STAGE};
@@ -23,11 +24,12 @@ struct Taken {
     there: usize,
 }
 
-/// Takes into `place` all that other stores of the same plan have and it has not; the exit code. Where they
-/// are `mixed`, scenes that are not in its plan are added to it, with the settings that they were made by.
-pub(crate) fn merge(place: &Path, others: &[PathBuf], is_mixed: bool) -> u8 {
+/// Takes into `place` all that other stores of the same plan have and it has not, of all scenes or some; the
+/// exit code. Where they are `mixed`, scenes that are not in its plan are added to it, with the settings that
+/// they were made by.
+pub(crate) fn merge(place: &Path, others: &[PathBuf], only: Option<&SceneList>, is_mixed: bool) -> u8 {
     runner::listen_for_signals();
-    match join(place, others, is_mixed) {
+    match join(place, others, only, is_mixed) {
         Ok(()) => EXIT_DONE,
         Err(Fault::Refused(why)) => {
             tracing::error!("{why}");
@@ -52,14 +54,25 @@ pub(crate) fn merge(place: &Path, others: &[PathBuf], is_mixed: bool) -> u8 {
     }
 }
 
-fn join(place: &Path, others: &[PathBuf], is_mixed: bool) -> Result<(), Fault> {
+fn join(place: &Path, others: &[PathBuf], only: Option<&SceneList>, is_mixed: bool) -> Result<(), Fault> {
     let open = |other: &PathBuf| {
         let none = || Fault::Refused(format!("{}: holds no plan: is it a store?", other.display()));
-        Member::open(other)?.ok_or_else(none)
+        Member::open(other, only)?.ok_or_else(none)
     };
     let others: Vec<Member> = others.iter().map(open).collect::<Result<_, _>>()?;
+    if let Some(only) = only {
+        let mut known = Vec::new();
+        for other in &others {
+            known.extend(other.scenes()?);
+        }
+        if let Some(scene) = only.outside(&known).first() {
+            return Err(Fault::Refused(format!(
+                "--scenes {only}: nothing is done of scene {scene} in any of them"
+            )));
+        }
+    }
     let _lock = runner::hold_alone(&Store::open(place)?, "convoy merge")?;
-    let here = match Member::open(place)? {
+    let here = match Member::open(place, None)? {
         Some(here) => here,
         None => {
             // The largest plan has all scenes of the others, or one of them is refused below.
@@ -72,18 +85,17 @@ fn join(place: &Path, others: &[PathBuf], is_mixed: bool) -> Result<(), Fault> {
             }
             others.iter().try_for_each(|other| fits(largest, other, is_mixed))?;
             into.adopt(&largest.store, Scope::Plan, &largest.plan)?;
-            Member { store: into, name: place.display().to_string(), ..largest.clone() }
+            Member { store: into, name: place.display().to_string(), only: None, ..largest.clone() }
         }
     };
     // All that speaks against it is said before anything is copied.
+    let mut offers = Vec::new();
     for other in &others {
         fits(&here, other, is_mixed)?;
-        for (scope, manifest) in stages(other)? {
-            if here
-                .store
-                .manifest(scope, &manifest.stage)?
-                .is_some_and(|here| here.digest() != manifest.digest())
-            {
+        let offered = stages(other)?;
+        for (scope, manifest) in &offered {
+            let stands = here.store.manifest(*scope, &manifest.stage)?;
+            if stands.is_some_and(|stands| stands.digest() != manifest.digest()) {
                 return Err(Fault::Refused(format!(
                     "{}: {} of {} is another than in {}: remove one of the two",
                     other.name,
@@ -93,10 +105,11 @@ fn join(place: &Path, others: &[PathBuf], is_mixed: bool) -> Result<(), Fault> {
                 )));
             }
         }
+        offers.push((other, offered));
     }
-    for other in &others {
+    for (other, offered) in offers {
         let mut taken = Taken::default();
-        for (scope, manifest) in stages(other)? {
+        for (scope, manifest) in offered {
             take(&here.store, &other.store, scope, &manifest, &mut taken)?;
         }
         say(&format!(

@@ -33,7 +33,7 @@ pub(crate) enum StoreCommand {
         /// by.
         #[arg(long, value_name = "FILE")]
         config: Option<PathBuf>,
-        /// The store: a folder, by its path or as file:///FOLDER.
+        /// The store: a folder, or s3://BUCKET/FOLDER (az://, gs://).
         #[arg(long, value_name = "DIR")]
         store: PathBuf,
         /// Folder with OpenDRIVE files: what changed there is looked for, too.
@@ -67,13 +67,16 @@ pub(crate) enum StoreCommand {
     /// Takes into a store all that other stores of the same plan have and it has not: scenes that were made
     /// on several machines.
     Merge {
-        /// The store that takes it: a folder, by its path or as file:///FOLDER; made where there is none.
+        /// The store that takes it: a folder, or s3://BUCKET/FOLDER (az://, gs://); made where there is none.
         #[arg(long, value_name = "DIR")]
         store: PathBuf,
         /// Take scenes of other settings, too: each keeps the settings that it was made by, as an edition of
         /// them. Scenes that both stores have must be the same; `first_scene` keeps numbers apart.
         #[arg(long)]
         mixed: bool,
+        /// Only these scenes: what copies some from a bucket, say.
+        #[arg(long, value_name = "LIST")]
+        scenes: Option<SceneList>,
         /// Stores that are joined; they stay as they are.
         #[arg(required = true, value_name = "STORE")]
         from: Vec<PathBuf>,
@@ -81,13 +84,13 @@ pub(crate) enum StoreCommand {
     /// Removes tiles of the static world that no scene's log names: those of older code or other settings,
     /// and locks of the dead. Not while anything else works on the store.
     Tidy {
-        /// The store: a folder, by its path or as file:///FOLDER.
+        /// The store: a folder, or s3://BUCKET/FOLDER (az://, gs://).
         #[arg(long, value_name = "DIR")]
         store: PathBuf,
     },
     /// Re-hashes a store and names every missing, truncated or changed shard.
     Verify {
-        /// The store: a folder, by its path or as file:///FOLDER.
+        /// The store: a folder, or s3://BUCKET/FOLDER (az://, gs://).
         #[arg(long, value_name = "DIR")]
         store: PathBuf,
     },
@@ -116,7 +119,9 @@ pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
             let rule = Suspicious::of(strict, false);
             status::status((config, rule), place, told, (&programs, plan.as_ref()))
         }
-        StoreCommand::Merge { store, mixed, from } => merge::merge(&store, &from, mixed),
+        StoreCommand::Merge { store, mixed, scenes, from } => {
+            merge::merge(&store, &from, scenes.as_ref(), mixed)
+        }
         StoreCommand::Tidy { store } => tidy::tidy(&store),
         StoreCommand::Verify { store } => verify::verify(&store),
     }

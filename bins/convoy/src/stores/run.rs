@@ -22,7 +22,7 @@ pub(crate) struct RunArgs {
     /// store's own will do.
     #[arg(long, value_name = "FILE", required_unless_present = "stages")]
     config: Option<PathBuf>,
-    /// The store: a folder, by its path or as file:///FOLDER.
+    /// The store: a folder, or s3://BUCKET/FOLDER (az://, gs://).
     #[arg(long, value_name = "DIR")]
     store: PathBuf,
     /// Folder with OpenDRIVE files.

@@ -27,6 +27,7 @@ fn tidied(store: &Path) -> Result<(usize, u64), StageError> {
     let store = Store::open_made(store)?;
     // A simulation that runs may name tiles in a log that is not there yet.
     let _lock = hold_alone(&store, "convoy tidy")?;
+    store::remove_probes(&store)?;
     Ok(remove_unused(&store)?)
 }
 

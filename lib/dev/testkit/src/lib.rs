@@ -17,6 +17,7 @@
 
 mod agreement;
 mod brute;
+pub mod bucket;
 mod maps;
 mod meshes;
 mod need;

@@ -24,7 +24,7 @@ pub struct Evaluate {
     /// Predicted BEV masks: a folder of SCENE/AGENT.npz (docs/evaluation.md).
     #[arg(long, value_name = "DIR")]
     pub bev_masks: Option<PathBuf>,
-    /// The store: a folder, by its path or as file:///FOLDER.
+    /// The store: a folder, or s3://BUCKET/FOLDER (az://, gs://).
     #[arg(long, value_name = "DIR")]
     pub store: PathBuf,
     /// Only these scenes, such as 0,3,5-9 (default: all that are finished).

@@ -11,7 +11,7 @@ use crate::stage::Progress;
 /// What all layouts take.
 #[derive(Clone, Debug, Args)]
 pub struct CommonArgs {
-    /// The store: a folder, by its path or as file:///FOLDER.
+    /// The store: a folder, or s3://BUCKET/FOLDER (az://, gs://).
     #[arg(long, value_name = "DIR")]
     pub store: PathBuf,
     /// The folder to write: a fresh one, or one with the same export, which is gone on with.

@@ -21,7 +21,7 @@ pub struct StageArgs {
     /// has the one that it was planned by.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// The store: a folder, by its path or as file:///FOLDER.
+    /// The store: a folder, or s3://BUCKET/FOLDER (az://, gs://).
     #[arg(long, value_name = "DIR")]
     store: PathBuf,
     /// Folder with OpenDRIVE files for maps that the configuration names.

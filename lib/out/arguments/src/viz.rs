@@ -45,7 +45,7 @@ pub struct Stills {
 /// What all of them share.
 #[derive(Debug, Args)]
 pub struct CommonArgs {
-    /// The store: a folder, by its path or as file:///FOLDER.
+    /// The store: a folder, or s3://BUCKET/FOLDER (az://, gs://).
     #[arg(long, value_name = "DIR")]
     pub store: PathBuf,
     /// Worker threads (default: all cores). The pictures do not depend on it.

@@ -9,7 +9,7 @@ use crate::editions::EditionWish;
 pub struct StageOptions {
     /// Dataset configuration (TOML, or YAML of SimBEV2X); none: the newest that the store was planned by.
     pub config: Option<PathBuf>,
-    /// The store: a folder, by its path or as file:///FOLDER.
+    /// The store: a folder, or s3://BUCKET/FOLDER (az://, gs://).
     pub store: PathBuf,
     /// Folder with OpenDRIVE files for maps that the configuration names.
     pub maps: Option<PathBuf>,

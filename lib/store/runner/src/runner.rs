@@ -54,7 +54,7 @@ pub fn run_stage<S: StageSettings>(
 /// Starts logging to standard error; `CONVOY_LOG` takes a filter such as `debug`.
 pub fn init_logging() {
     let filter = tracing_subscriber::EnvFilter::try_from_env("CONVOY_LOG")
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info,object_store=warn"));
     let format = tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr);
     // A closed standard error is no reason to stop.
     let format = format.log_internal_errors(false);

@@ -1,11 +1,13 @@
 //! Taking over what another store has.
 
+use crate::backend::Shard;
 use crate::manifest::{Manifest, Output};
+use crate::parallel::side_by_side;
 use crate::write::FileWriter;
 use crate::{Attempt, Scope, Store, StoreError};
 
 /// Bytes copied at a time.
-const CHUNK: u64 = 1 << 20;
+const CHUNK: u64 = 4 << 20;
 
 impl Store {
     /// Takes over what a stage made for a scope in another store: its shards, each held against its checksum,
@@ -16,32 +18,36 @@ impl Store {
     /// A shard cannot be read or written, is not what the manifest says, or lies outside the scope's folder;
     /// or another manifest of the stage stands here.
     pub fn adopt(&self, from: &Self, scope: Scope, manifest: &Manifest) -> Result<u64, StoreError> {
-        let mut copied = 0;
-        for output in &manifest.outputs {
-            if !lies_in(scope, &output.key) {
-                let problem = format!("names `{}`, which is not in its folder", output.key);
-                return Err(StoreError::Corrupt {
-                    path: from.location(&scope.manifest(&manifest.stage)),
-                    problem,
-                });
-            }
-            if !self.holds(output)? {
-                self.copy(from, manifest, output)?;
-                copied += output.bytes;
-            }
+        if let Some(output) = manifest.outputs.iter().find(|output| !lies_in(scope, &output.key)) {
+            let problem = format!("names `{}`, which is not in its folder", output.key);
+            return Err(StoreError::Corrupt {
+                path: from.location(&scope.manifest(&manifest.stage)),
+                problem,
+            });
         }
+        let at_once = self.backend().at_once().max(from.backend().at_once());
+        let copied = side_by_side(&manifest.outputs, at_once, |output| {
+            if self.holds(output)? {
+                return Ok(0);
+            }
+            self.copy(from, manifest, output).map(|()| output.bytes)
+        })?;
         self.commit_manifest(&scope.manifest(&manifest.stage), manifest)?;
         Attempt::tidy(self, scope, &manifest.stage)?;
-        Ok(copied)
+        Ok(copied.into_iter().sum())
     }
 
     /// Whether a shard is here with these very bytes.
     pub(crate) fn holds(&self, output: &Output) -> Result<bool, StoreError> {
-        if self.backend().size(&output.key)? != Some(output.bytes) {
+        let shard = match self.backend().open(&output.key) {
+            Err(StoreError::Missing { .. }) => return Ok(false),
+            opened => opened?,
+        };
+        if shard.size() != output.bytes {
             return Ok(false);
         }
         let mut hasher = blake3::Hasher::new();
-        self.each_chunk(output, |bytes| {
+        self.each_chunk(shard.as_ref(), &output.key, |bytes| {
             hasher.update(bytes);
             Ok(())
         })?;
@@ -50,9 +56,9 @@ impl Store {
 
     fn copy(&self, from: &Self, manifest: &Manifest, output: &Output) -> Result<(), StoreError> {
         // Refuses shards that are missing or of another size.
-        from.open_output(manifest, &output.key)?;
+        let read = from.open_output(manifest, &output.key)?;
         let mut file = FileWriter::create(self, &output.key, &manifest.stage)?;
-        from.each_chunk(output, |bytes| file.write_bytes(bytes))?;
+        from.each_chunk(read.as_ref(), &output.key, |bytes| file.write_bytes(bytes))?;
         let shard = file.finish(output.rows)?;
         if shard.output().content() != output.content() {
             let problem = "its bytes are not those that the manifest names".into();
@@ -61,18 +67,19 @@ impl Store {
         shard.commit().map(|_| ())
     }
 
-    fn each_chunk(
+    /// Hands out all of a shard, some at a time.
+    pub(crate) fn each_chunk(
         &self,
-        output: &Output,
+        shard: &dyn Shard,
+        key: &str,
         mut take: impl FnMut(&[u8]) -> Result<(), StoreError>,
     ) -> Result<(), StoreError> {
-        let shard = self.backend().open(&output.key)?;
         let mut at = 0;
-        while at < output.bytes {
-            let end = output.bytes.min(at + CHUNK);
-            let bytes = shard
-                .read_at(at..end)
-                .map_err(|e| StoreError::read(self.location(&output.key), "read", e))?;
+        while at < shard.size() {
+            let end = shard.size().min(at + CHUNK);
+            shard.will_read(end..shard.size().min(end + CHUNK));
+            let bytes =
+                shard.read_at(at..end).map_err(|e| StoreError::read(self.location(key), "read", e))?;
             take(&bytes)?;
             at = end;
         }

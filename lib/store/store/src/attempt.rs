@@ -10,7 +10,7 @@ use crate::error::sound;
 use crate::manifest::{MadeBy, Manifest, Output, Redo};
 use crate::table::{TableOptions, TableWriter, write_columns};
 use crate::write::{FileWriter, Finished};
-use crate::{Scope, Store, StoreError, keys};
+use crate::{Scope, Store, StoreError, keys, write};
 
 /// What makes two tries the same: if all of it is equal, so are the outputs.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -464,9 +464,7 @@ impl Unit<'_> {
         // One of another identity, whose shards are replaced now.
         attempt.store.backend().remove(&record)?;
         let mut outputs = kept;
-        for shard in shards {
-            outputs.push(shard.commit()?);
-        }
+        outputs.extend(write::commit(shards, attempt.store.backend().at_once())?);
         let part = attempt.manifest_of(outputs);
         attempt.store.write_json(&record, &attempt.identity.stage, &part)?;
         so_far.outputs.extend(part.outputs);

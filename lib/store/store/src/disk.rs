@@ -181,6 +181,16 @@ impl Backend for Disk {
         Ok(true)
     }
 
+    fn replace(&self, key: &str, owner: &str, old: &[u8], new: &[u8]) -> Result<bool, StoreError> {
+        if self.read(key)?.as_deref() != Some(old) {
+            return Ok(false);
+        }
+        let mut sink = self.begin(key, owner)?;
+        sink.write_all(new).map_err(sink.error("write"))?;
+        Box::new(sink).commit()?;
+        Ok(true)
+    }
+
     fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
         let read = || -> io::Result<Result<Vec<u8>, u64>> {
             let mut bytes = Vec::new();

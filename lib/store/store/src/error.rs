@@ -23,8 +23,8 @@ pub enum StoreError {
         /// The cause.
         source: io::Error,
     },
-    /// Reading failed.
-    #[error("{path}: cannot {action}: {source}")]
+    /// Reading failed. Where nobody answered, no scene is to blame, and it is worth another try.
+    #[error("{path}: cannot {action}: {source}{}", if may_come_back(source) { AGAIN } else { "" })]
     Read {
         /// The file.
         path: String,
@@ -88,6 +88,26 @@ pub enum StoreError {
         /// What was to be done instead.
         work: String,
     },
+    /// A service refuses, or cannot do what is asked for: for want of rights, of a bucket, of a condition.
+    #[error(
+        "{path}: cannot {action}: {problem} (give other credentials, or another --store; nothing committed is lost)"
+    )]
+    Refused {
+        /// What was asked for.
+        path: String,
+        /// What was tried.
+        action: &'static str,
+        /// Its answer, without anything secret.
+        problem: String,
+    },
+    /// A place that breaks what a store rests on.
+    #[error("{path}: cannot hold a store: {problem} (give another --store)")]
+    Unfit {
+        /// The place.
+        path: String,
+        /// Which check failed.
+        problem: String,
+    },
     /// There is nothing.
     #[error(
         "{path} is no store: it has neither dataset.json nor a plan (`make dataset STORE=...` makes one)"
@@ -109,7 +129,9 @@ pub enum StoreError {
         expected: u32,
     },
     /// A text that names no place of storage we know.
-    #[error("store `{place}`: {problem}; a store is a folder, by its path or as file:///FOLDER")]
+    #[error(
+        "store `{place}`: {problem}; a store is a folder, by its path or as file:///FOLDER, or s3://BUCKET/FOLDER, az://CONTAINER/FOLDER, gs://BUCKET/FOLDER"
+    )]
     Place {
         /// The text.
         place: String,
@@ -124,8 +146,34 @@ fn remedy(error: &io::Error) -> &'static str {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "make room",
         io::ErrorKind::FileTooLarge => "raise the limit on the size of files (`ulimit -f`)",
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "make the store writable",
+        kind if kind == io::ErrorKind::TimedOut || is_away(kind) => "see to the network or the service",
         _ => "see to the disk",
     }
+}
+
+/// What a user can do where nobody answered.
+const AGAIN: &str =
+    " (see to the network or the service, then run the same command again; nothing committed is lost)";
+
+/// Whether a read that failed may succeed later.
+fn may_come_back(error: &io::Error) -> bool {
+    let kind = error.kind();
+    matches!(kind, io::ErrorKind::TimedOut | io::ErrorKind::StaleNetworkFileHandle) || is_away(kind)
+}
+
+/// Whether who should answer could not be reached.
+fn is_away(kind: io::ErrorKind) -> bool {
+    use io::ErrorKind as Kind;
+    matches!(
+        kind,
+        Kind::NotConnected
+            | Kind::ConnectionRefused
+            | Kind::ConnectionReset
+            | Kind::ConnectionAborted
+            | Kind::HostUnreachable
+            | Kind::NetworkUnreachable
+            | Kind::NetworkDown
+    )
 }
 
 /// A damaged record counts as one that is not there: what it said is done again.
@@ -163,9 +211,7 @@ impl StoreError {
     pub fn is_transient(&self) -> bool {
         match self {
             Self::Write { .. } | Self::Contested { .. } | Self::Held { .. } => true,
-            Self::Read { source, .. } => {
-                matches!(source.kind(), io::ErrorKind::TimedOut | io::ErrorKind::StaleNetworkFileHandle)
-            }
+            Self::Read { source, .. } => may_come_back(source),
             _ => false,
         }
     }
@@ -174,6 +220,13 @@ impl StoreError {
     /// program.
     #[must_use]
     pub fn is_usage(&self) -> bool {
-        matches!(self, Self::Format { .. } | Self::Place { .. } | Self::NoStore { .. })
+        matches!(
+            self,
+            Self::Format { .. }
+                | Self::Place { .. }
+                | Self::NoStore { .. }
+                | Self::Refused { .. }
+                | Self::Unfit { .. }
+        )
     }
 }

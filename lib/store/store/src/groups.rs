@@ -22,6 +22,8 @@ pub struct RowGroups<R> {
     table: Table,
     /// Which rows are still to be handed out.
     wanted: Vec<Range<usize>>,
+    /// The first group that nobody was told of yet.
+    untold: usize,
     row: PhantomData<fn() -> R>,
 }
 
@@ -41,7 +43,7 @@ impl<R: Row> RowGroups<R> {
             || std::iter::once(0..all).collect::<Vec<_>>(),
             |wanted| wanted.into_iter().map(|range| range.start.min(all)..range.end.min(all)).collect(),
         );
-        Ok(Self { reader: table.reader(&wanted)?, table, wanted, row: PhantomData })
+        Ok(Self { reader: table.reader(&wanted)?, table, wanted, untold: 0, row: PhantomData })
     }
 
     /// Passes over so many of the rows that come next.
@@ -54,6 +56,23 @@ impl<R: Row> RowGroups<R> {
             self.reader = self.table.reader(&self.wanted)?;
         }
         Ok(())
+    }
+
+    /// Tells the place which groups are read now and next.
+    fn announce(&mut self) {
+        let Some(first) = self.wanted.first().map(|range| range.start) else { return };
+        let is_wanted = |group: &Range<usize>| {
+            self.wanted.iter().any(|range| range.start < group.end && group.start < range.end)
+        };
+        let groups = self.table.groups().enumerate().skip_while(|(_, group)| group.end <= first);
+        for (i, _) in groups.filter(|(_, group)| is_wanted(group)).take(2) {
+            if i >= self.untold {
+                self.untold = i + 1;
+                if let Some(bytes) = self.table.bytes_of(i) {
+                    self.table.chunks.will_read(bytes);
+                }
+            }
+        }
     }
 
     /// Takes so many rows off those that are wanted.
@@ -72,6 +91,7 @@ impl<R: Row> Iterator for RowGroups<R> {
     type Item = Result<Vec<R>, StoreError>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        self.announce();
         let batch = self.reader.next()?;
         let batch = batch.map_err(|e| self.table.chunks.error(&e));
         Some(batch.and_then(|batch| {
@@ -99,6 +119,21 @@ impl Table {
             *end += usize::try_from(group.num_rows()).unwrap_or(0);
             Some(start..*end)
         })
+    }
+
+    /// Where the columns of a group lie that are read, if not far from each other.
+    fn bytes_of(&self, group: usize) -> Option<Range<u64>> {
+        let group = self.about.metadata().row_groups().get(group)?;
+        let columns = group.columns().iter().enumerate();
+        let read =
+            columns.filter(|(i, _)| self.columns.leaf_included(*i)).map(|(_, column)| column.byte_range());
+        let (mut span, mut needed) = (u64::MAX..0, 0);
+        for (start, bytes) in read {
+            span = span.start.min(start)..span.end.max(start.saturating_add(bytes));
+            needed += bytes;
+        }
+        let is_dense = span.start < span.end && span.end - span.start <= 2 * needed;
+        is_dense.then_some(span)
     }
 
     /// Reads some rows, in ascending ranges.

@@ -5,12 +5,12 @@
 //! at any instant: what is named by a manifest is whole, what is not is swept at the next start.
 //!
 //! * [`Store::open`]: a store by its path or URL.
-//! * [`Backend`]: the few operations a place of storage must offer, as [`Disk`] and [`Memory`] do. Nothing
-//!   above it renames or assumes a file system.
+//! * [`Backend`]: the few operations a place of storage must offer, as [`Disk`], [`Objects`] and [`Memory`] do.
+//!   Nothing above it renames or assumes a file system.
 //! * [`keys`]: the layout, one function per kind of file.
 //! * [`Manifest`], [`Attempt`], [`Unit`]: writing a stage's outputs.
 //! * [`Store::read_rows`], [`Store::row_groups`]: reading tables.
-//! * [`Lock`]: one plan at a time.
+//! * [`Lock`]: one plan at a time. [`probe`]: whether a place can hold a store at all.
 //! * [`verify`]: re-hashing everything.
 
 mod adopt;
@@ -25,7 +25,10 @@ pub mod keys;
 mod lock;
 mod manifest;
 mod memory;
+mod objects;
+mod parallel;
 mod place;
+mod probe;
 mod process;
 mod read;
 mod roster;
@@ -47,6 +50,8 @@ pub use keys::Scope;
 pub use lock::{Lock, LockEvents, Pace, Work};
 pub use manifest::{Failure, MadeBy, Manifest, Output, Redo};
 pub use memory::Memory;
+pub use objects::Objects;
+pub use probe::{probe, remove_probes};
 pub use read::TableHead;
 pub use roster::{SceneKind, has_scenes, kind_names, scene_kinds, scenes_begun};
 pub use shard::ShardStream;
@@ -61,8 +66,9 @@ pub struct Store {
 }
 
 impl Store {
-    /// The store at a place: a folder, which need not exist yet, by its path or as `file:///FOLDER`;
-    /// `memory:` is a fresh one that ends with the process.
+    /// The store at a place: a folder, which need not exist yet, by its path or as `file:///FOLDER`; a folder
+    /// of a bucket, as `s3://BUCKET/FOLDER`, `az://CONTAINER/FOLDER` or `gs://BUCKET/FOLDER`, whose service and
+    /// credentials come from the environment; `memory:` is a fresh one that ends with the process.
     ///
     /// ```
     /// use store::{Scope, Store, StoreError};
@@ -70,7 +76,7 @@ impl Store {
     /// let store = Store::open("file:///data/town%2003")?;
     /// assert_eq!(store.location("plan/scenes.parquet"), "/data/town 03/plan/scenes.parquet");
     /// assert!(store.manifest(Scope::Plan, "spawn-planner")?.is_none());
-    /// assert!(matches!(Store::open("s3://bucket"), Err(StoreError::Place { .. })));
+    /// assert!(matches!(Store::open("ftp://server/set"), Err(StoreError::Place { .. })));
     /// # Ok::<(), StoreError>(())
     /// ```
     ///
@@ -78,8 +84,11 @@ impl Store {
     /// A URL of a kind that is not known, a file, or a store of another format.
     pub fn open(place: impl AsRef<OsStr>) -> Result<Self, StoreError> {
         let store = Self { backend: place::open(place.as_ref())? };
-        if let Some(dataset) = store.read(keys::DATASET)? {
-            store.check_format(keys::DATASET, &dataset)?;
+        match store.read(keys::DATASET)? {
+            Some(dataset) => store.check_format(keys::DATASET, &dataset)?,
+            // Of a bucket that is not there, or must not be listed, that is all that a read would tell.
+            None if store.backend().at_once() > 1 => drop(store.backend().folders(keys::LOCKS)?),
+            None => {}
         }
         Ok(store)
     }

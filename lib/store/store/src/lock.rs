@@ -165,7 +165,7 @@ impl Entry {
 }
 
 /// Tells objects of one process apart.
-fn tag() -> String {
+pub(crate) fn tag() -> String {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     // A name only has to differ from others.
     let nanos = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos());

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::parallel::side_by_side;
 use crate::{Scope, Store, StoreError, hash_bytes};
 
 /// One shard a stage wrote.
@@ -222,9 +223,13 @@ impl Store {
 
     pub(crate) fn manifest_at(&self, key: &str) -> Result<Option<Manifest>, StoreError> {
         let Some(bytes) = self.read(key)? else { return Ok(None) };
+        self.parse_manifest(key, &bytes).map(Some)
+    }
+
+    pub(crate) fn parse_manifest(&self, key: &str, text: &[u8]) -> Result<Manifest, StoreError> {
         // The version first: what follows it may look otherwise in another one.
-        self.check_format(key, &bytes)?;
-        self.parse(key, &bytes).map(Some)
+        self.check_format(key, text)?;
+        self.parse(key, text)
     }
 
     /// Refuses a document that names another format version. A damaged one is for its readers to name.
@@ -261,10 +266,12 @@ impl Store {
     /// The backend cannot write, or another manifest, or none, stands there now.
     pub fn replace_manifest(&self, scope: Scope, read: &Manifest, new: &Manifest) -> Result<(), StoreError> {
         let key = scope.manifest(&read.stage);
-        if self.manifest_at(&key)?.as_ref() != Some(read) {
-            return Err(StoreError::Contested { path: self.location(&key) });
+        let bytes = self.read(&key)?.unwrap_or_default();
+        let is_as_read = self.parse::<Manifest>(&key, &bytes).is_ok_and(|there| there == *read);
+        if is_as_read && self.backend().replace(&key, &read.stage, &bytes, &sealed(new))? {
+            return Ok(());
         }
-        self.write_bytes(&key, &read.stage, &sealed(new))
+        Err(StoreError::Contested { path: self.location(&key) })
     }
 
     /// Whether every output of a manifest is there in its size. (Contents are checked by [`crate::verify`].)
@@ -272,11 +279,8 @@ impl Store {
     /// # Errors
     /// The backend cannot be asked.
     pub fn outputs_present(&self, manifest: &Manifest) -> Result<bool, StoreError> {
-        for output in &manifest.outputs {
-            if self.backend().size(&output.key)? != Some(output.bytes) {
-                return Ok(false);
-            }
-        }
-        Ok(true)
+        let is_there = |output: &Output| Ok(self.backend().size(&output.key)? == Some(output.bytes));
+        let there = side_by_side(&manifest.outputs, self.backend().at_once(), is_there)?;
+        Ok(there.into_iter().all(|is_there| is_there))
     }
 }

@@ -143,6 +143,15 @@ impl Backend for Memory {
         }
     }
 
+    fn replace(&self, key: &str, _owner: &str, old: &[u8], new: &[u8]) -> Result<bool, StoreError> {
+        let mut inner = self.inner();
+        match inner.objects.get_mut(key) {
+            Some(there) if *there == old => *there = Bytes::copy_from_slice(new),
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
     fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
         match self.inner().objects.get(key) {
             Some(bytes) if bytes.len() as u64 > LARGEST_READ => {

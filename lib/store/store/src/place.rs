@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::{Backend, Disk, Memory, StoreError};
+use crate::{Backend, Disk, Memory, StoreError, objects};
 
 /// The place of storage that a path or a URL names.
 pub(crate) fn open(place: &OsStr) -> Result<Arc<dyn Backend>, StoreError> {
@@ -26,7 +26,14 @@ pub(crate) fn open(place: &OsStr) -> Result<Arc<dyn Backend>, StoreError> {
             let path = decoded(path).ok_or_else(|| unsupported("has a % without two hexadecimal digits"))?;
             folder(&path)
         }
-        Some((scheme, _)) => Err(unsupported(&format!("there is no store of kind `{scheme}`"))),
+        Some((scheme, rest)) => match objects::open(scheme, rest) {
+            Some(bucket) => Ok(Arc::new(bucket?)),
+            None => Err(StoreError::Place {
+                // What may be a key is not repeated.
+                place: format!("{scheme}://{}", rest.rsplit_once('@').map_or(rest, |(_, after)| after)),
+                problem: format!("there is no store of kind `{scheme}`"),
+            }),
+        },
     }
 }
 
@@ -97,7 +104,9 @@ mod tests {
     #[test]
     fn what_is_not_supported_says_what_is() {
         for (place, problem) in [
-            ("s3://bucket/set", "no store of kind `s3`"),
+            ("ftp://server/set", "no store of kind `ftp`"),
+            ("s3://", "names no bucket"),
+            ("az://set/../a", "names no folder"),
             ("File:///data", "no store of kind `File`"),
             ("file://server/data", "file:///FOLDER"),
             ("file:///data%2", "without two hexadecimal digits"),

@@ -81,6 +81,11 @@ impl Chunks {
         Self { shard: shard.into(), location, failed: Failed::default() }
     }
 
+    /// A hint that these bytes are read soon.
+    pub(crate) fn will_read(&self, range: std::ops::Range<u64>) {
+        self.shard.will_read(range);
+    }
+
     /// What went wrong: Parquet turns errors into text, so a failure of the place is told by what was
     /// remembered.
     pub(crate) fn error(&self, error: &dyn std::fmt::Display) -> StoreError {

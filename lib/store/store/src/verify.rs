@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::manifest::{Failure, Manifest, Output, Redo, is_as_written};
+use crate::parallel::side_by_side;
 use crate::{Scope, Store, StoreError, Unfinished, keys};
 
 /// What is wrong with a file.
@@ -96,9 +97,14 @@ pub fn verify(
     for key in &files {
         match record_of(key) {
             Some(Record::Manifest) => {
-                if let Some(manifest) = sound_or_finding(store.manifest_at(key), key, &mut result)? {
+                let Some(text) = store.read(key)? else {
+                    known.committed.insert(key.clone());
+                    continue;
+                };
+                if let Some(manifest) = sound_or_finding(store.parse_manifest(key, &text), key, &mut result)?
+                {
                     result.manifests += 1;
-                    if store.read(key)?.is_some_and(|text| !is_as_written(&text, &manifest)) {
+                    if !is_as_written(&text, &manifest) {
                         let problem = Problem::Manifest("does not fit its own checksum: changed".to_owned());
                         result.findings.push(Finding { key: key.clone(), manifest: None, problem });
                     }
@@ -164,15 +170,15 @@ fn record_of(key: &str) -> Option<Record> {
 }
 
 /// A damaged record is a finding.
-fn sound_or_finding<T>(
-    record: Result<Option<T>, StoreError>,
+fn sound_or_finding<T: Into<Option<R>>, R>(
+    record: Result<T, StoreError>,
     key: &str,
     result: &mut Verification,
-) -> Result<Option<T>, StoreError> {
+) -> Result<Option<R>, StoreError> {
     let problem = match record {
         Err(StoreError::Corrupt { problem, .. }) => problem,
         Err(e @ StoreError::Format { .. }) => e.to_string(),
-        other => return other,
+        other => return other.map(Into::into),
     };
     let problem = Problem::Manifest(problem);
     result.findings.push(Finding { key: key.to_owned(), manifest: None, problem });
@@ -187,8 +193,10 @@ impl Verification {
         manifest: &Manifest,
         on_shard: &mut impl FnMut(&str),
     ) -> Result<(), StoreError> {
-        for output in &manifest.outputs {
-            if let Some(problem) = check(store, output)? {
+        let problems =
+            side_by_side(&manifest.outputs, store.backend().at_once(), |output| check(store, output))?;
+        for (output, problem) in manifest.outputs.iter().zip(problems) {
+            if let Some(problem) = problem {
                 let manifest = Some(key.to_owned());
                 self.findings.push(Finding { key: output.key.clone(), manifest, problem });
             }
@@ -222,27 +230,19 @@ impl Verification {
     }
 }
 
-/// How much of a shard is hashed at a time, bytes.
-const CHUNK: u64 = 1 << 20;
-
 fn check(store: &Store, output: &Output) -> Result<Option<Problem>, StoreError> {
-    match store.backend().size(&output.key)? {
-        None => return Ok(Some(Problem::Missing)),
-        Some(found) if found != output.bytes => {
-            return Ok(Some(Problem::Size { expected: output.bytes, found }));
-        }
-        Some(_) => {}
+    let shard = match store.backend().open(&output.key) {
+        Err(StoreError::Missing { .. }) => return Ok(Some(Problem::Missing)),
+        opened => opened?,
+    };
+    if shard.size() != output.bytes {
+        return Ok(Some(Problem::Size { expected: output.bytes, found: shard.size() }));
     }
-    let shard = store.backend().open(&output.key)?;
     let mut hasher = blake3::Hasher::new();
-    let mut at = 0;
-    while at < shard.size() {
-        let end = shard.size().min(at + CHUNK);
-        let bytes =
-            shard.read_at(at..end).map_err(|e| StoreError::read(store.location(&output.key), "read", e))?;
-        hasher.update(&bytes);
-        at = end;
-    }
+    store.each_chunk(shard.as_ref(), &output.key, |bytes| {
+        hasher.update(bytes);
+        Ok(())
+    })?;
     let same = hasher.finalize().to_hex().as_str() == output.blake3;
     Ok((!same).then_some(Problem::Changed))
 }

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::backend::Sink;
 use crate::manifest::Output;
+use crate::parallel::side_by_side;
 use crate::{Store, StoreError};
 
 /// A shard in hand: counts and hashes what is written. Dropping it discards it.
@@ -135,6 +136,17 @@ impl Finished {
         self.sink.commit()?;
         Ok(self.output)
     }
+}
+
+/// Makes shards visible, some side by side. Returns what a manifest says of them, in their order.
+pub(crate) fn commit(shards: Vec<Finished>, at_once: usize) -> Result<Vec<Output>, StoreError> {
+    let shards: Vec<Mutex<Option<Finished>>> =
+        shards.into_iter().map(|shard| Mutex::new(Some(shard))).collect();
+    let done = side_by_side(&shards, at_once, |shard| {
+        let taken = shard.lock().unwrap_or_else(PoisonError::into_inner).take();
+        taken.map(Finished::commit).transpose()
+    });
+    Ok(done?.into_iter().flatten().collect())
 }
 
 impl std::fmt::Debug for Finished {

@@ -2,9 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::io::Write;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 
+use object_store::ObjectStore;
+use object_store::aws::AmazonS3Builder;
 use schema::tables::GnssRow;
-use store::{Attempt, Identity, Manifest, Scope, Store, StoreError, keys};
+use store::{Attempt, Identity, Manifest, Objects, Scope, Store, StoreError, keys};
+use testkit::bucket::BucketServer;
 
 pub(crate) const STAGE: &str = "render-sensors";
 pub(crate) const SCOPE: Scope = Scope::Scene(7);
@@ -12,22 +17,54 @@ pub(crate) const SCOPE: Scope = Scope::Scene(7);
 /// A store that is gone after the test.
 pub(crate) struct Bench {
     pub(crate) store: Store,
-    folder: Option<tempfile::TempDir>,
+    place: Place,
+}
+
+/// Where it is.
+enum Place {
+    Disk(#[allow(dead_code, reason = "is removed when it is dropped")] tempfile::TempDir),
+    Memory,
+    /// What answers like a bucket, in memory.
+    Bucket,
+    /// A folder of its own of a real one.
+    Service,
 }
 
 impl Bench {
     pub(crate) fn on_disk() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
-        Self { store: Store::open(folder.path()).expect("a folder is a place"), folder: Some(folder) }
+        Self { store: Store::open(folder.path()).expect("a folder is a place"), place: Place::Disk(folder) }
     }
 
     pub(crate) fn in_memory() -> Self {
-        Self { store: Store::open("memory:").expect("memory is a place"), folder: None }
+        Self { store: Store::open("memory:").expect("memory is a place"), place: Place::Memory }
+    }
+
+    pub(crate) fn in_bucket() -> Self {
+        let service = Arc::new(object_store::memory::InMemory::new());
+        let store = Store::new(Arc::new(Objects::new(service, "test://bucket", "a set", true)));
+        Self { store, place: Place::Bucket }
+    }
+
+    /// A folder of its own in the bucket that `CONVOY_TEST_STORE` names, else in one of a server of ours.
+    pub(crate) fn in_service() -> Self {
+        static NEXT: AtomicUsize = AtomicUsize::new(0);
+        let folder = format!("{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed));
+        let store = match std::env::var("CONVOY_TEST_STORE") {
+            Ok(bucket) => Store::open(format!("{bucket}/{folder}")).expect("a folder of a bucket is a place"),
+            Err(_) => Store::new(Arc::new(Objects::new(service(), "s3://sets", &folder, true))),
+        };
+        Self { store, place: Place::Service }
     }
 
     /// Another one of the same kind.
     pub(crate) fn another(&self) -> Self {
-        if self.folder.is_some() { Self::on_disk() } else { Self::in_memory() }
+        match &self.place {
+            Place::Disk(_) => Self::on_disk(),
+            Place::Memory => Self::in_memory(),
+            Place::Bucket => Self::in_bucket(),
+            Place::Service => Self::in_service(),
+        }
     }
 
     /// All objects. There must be no unfinished ones.
@@ -50,6 +87,21 @@ impl Bench {
     }
 }
 
+/// A client of a server that all tests of this process share.
+fn service() -> Arc<dyn ObjectStore> {
+    static SERVER: OnceLock<BucketServer> = OnceLock::new();
+    let _ = rustls::crypto::ring::default_provider().install_default();
+    let service = AmazonS3Builder::new()
+        .with_endpoint(SERVER.get_or_init(BucketServer::start).endpoint())
+        .with_allow_http(true)
+        .with_bucket_name("sets")
+        .with_access_key_id("test")
+        .with_secret_access_key("secret")
+        .with_disable_bulk_delete(true)
+        .build();
+    Arc::new(service.expect("is whole"))
+}
+
 /// Runs each test on every backend.
 macro_rules! on_every_backend {
     ($($test:ident),+ $(,)?) => {
@@ -58,6 +110,12 @@ macro_rules! on_every_backend {
         }
         mod in_memory {
             $( #[test] fn $test() { super::$test(&crate::common::Bench::in_memory()); } )+
+        }
+        mod in_bucket {
+            $( #[test] fn $test() { super::$test(&crate::common::Bench::in_bucket()); } )+
+        }
+        mod in_service {
+            $( #[test] fn $test() { super::$test(&crate::common::Bench::in_service()); } )+
         }
     };
 }

@@ -80,6 +80,9 @@ impl Backend for Failing {
             Fault::Byte(_) | Fault::Commit => self.place.backend().put_if_absent(key, owner, bytes),
         }
     }
+    fn replace(&self, key: &str, owner: &str, old: &[u8], new: &[u8]) -> Result<bool, StoreError> {
+        self.place.backend().replace(key, owner, old, new)
+    }
     fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
         self.place.backend().read(key)
     }
@@ -224,6 +227,9 @@ fn a_failed_read_is_no_broken_shard() {
         }
         fn put_if_absent(&self, key: &str, owner: &str, bytes: &[u8]) -> Result<bool, StoreError> {
             self.0.put_if_absent(key, owner, bytes)
+        }
+        fn replace(&self, key: &str, owner: &str, old: &[u8], new: &[u8]) -> Result<bool, StoreError> {
+            self.0.replace(key, owner, old, new)
         }
         fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
             if key.ends_with(".parquet") {

@@ -1,5 +1,6 @@
 //! Commit, resume, faults, old formats, verification: on every backend.
 
+mod bucket;
 mod commit;
 mod common;
 mod disk;

@@ -77,7 +77,9 @@ fn what_is_in_the_making_is_no_stray(bench: &Bench) {
         vec![SCOPE.part(STAGE, "vehicle_0"), SCOPE.redo(STAGE), key("vehicle_0"), key("vehicle_1")];
     in_hand.sort_unstable();
     assert_eq!(result.in_hand, in_hand);
-    assert!(result.unfinished.len() == 1 && result.unfinished[0].owner == STAGE, "{result:?}");
+    if bench.store.backend().lists_unfinished() {
+        assert!(result.unfinished.len() == 1 && result.unfinished[0].owner == STAGE, "{result:?}");
+    }
     // Once it is done, nothing is left of it.
     run(&bench.store, "c", false, &["vehicle_0", "vehicle_1"]).expect("runs");
     let result = checked(bench);

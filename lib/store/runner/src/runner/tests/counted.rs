@@ -34,6 +34,9 @@ impl Backend for Counting {
     fn put_if_absent(&self, key: &str, owner: &str, bytes: &[u8]) -> Result<bool, StoreError> {
         self.count("put", key).put_if_absent(key, owner, bytes)
     }
+    fn replace(&self, key: &str, owner: &str, old: &[u8], new: &[u8]) -> Result<bool, StoreError> {
+        self.count("replace", key).replace(key, owner, old, new)
+    }
     fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
         self.count("read", key).read(key)
     }

@@ -1,0 +1,258 @@
+//! From a URL and the usual environment to a bucket.
+
+use std::net::{TcpStream, ToSocketAddrs};
+use std::sync::Arc;
+use std::time::Duration;
+
+use object_store::aws::{AmazonS3Builder, AmazonS3ConfigKey};
+use object_store::azure::MicrosoftAzureBuilder;
+use object_store::gcp::GoogleCloudStorageBuilder;
+use object_store::path::Path;
+use object_store::{BackoffConfig, ClientOptions, ObjectStore, RetryConfig};
+
+use super::Objects;
+use super::profile::Profile;
+use super::runtime::choose_encryption;
+use crate::StoreError;
+
+/// A kind of service.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    S3,
+    Azure,
+    Google,
+}
+
+/// A bucket, or a container of an account, and the folder of a store in it.
+#[derive(Debug, PartialEq, Eq)]
+struct Address {
+    kind: Kind,
+    bucket: String,
+    folder: String,
+}
+
+impl Address {
+    /// `rest` is what follows `scheme://`.
+    fn parse(scheme: &str, rest: &str) -> Option<Result<Self, &'static str>> {
+        let kind = match scheme {
+            "s3" => Kind::S3,
+            "az" => Kind::Azure,
+            "gs" => Kind::Google,
+            _ => return None,
+        };
+        let (bucket, folder) = rest.split_once('/').unwrap_or((rest, ""));
+        let folder = folder.trim_end_matches('/');
+        Some(if bucket.contains('@') || bucket.contains(':') {
+            Err("holds a user, a key or a port: these come from the environment or a profile")
+        } else if bucket.is_empty() {
+            Err("names no bucket")
+        } else if rest.contains(['?', '#']) {
+            Err("holds `?` or `#`: what follows a bucket is the folder of the store alone")
+        } else if Path::parse(folder).is_err() || folder.starts_with('/') {
+            Err("names no folder: parts are empty, `.` or `..`")
+        } else {
+            Ok(Self { kind, bucket: bucket.to_owned(), folder: folder.to_owned() })
+        })
+    }
+}
+
+/// The bucket that a URL names, or `None` for a URL of another kind.
+///
+/// # Errors
+/// [`StoreError::Place`] for a URL that names none, [`StoreError::Refused`] without credentials.
+pub(crate) fn open(scheme: &str, rest: &str) -> Option<Result<Objects, StoreError>> {
+    // What may be a key is not repeated.
+    let shown = format!("{scheme}://{}", rest.rsplit_once('@').map_or(rest, |(_, after)| after));
+    let place = |problem: &str| StoreError::Place { place: shown.clone(), problem: problem.to_owned() };
+    let address = match Address::parse(scheme, rest)? {
+        Ok(address) => address,
+        Err(problem) => return Some(Err(place(problem))),
+    };
+    choose_encryption();
+    let opened = match address.kind {
+        Kind::S3 => s3(&address.bucket),
+        Kind::Azure => azure(&address.bucket),
+        Kind::Google => {
+            tracing::warn!("gs:// was never tried against Google's service, nor an emulated one");
+            google(&address.bucket)
+        }
+    };
+    Some(match opened {
+        Ok(service) => {
+            let name = format!("{scheme}://{}", address.bucket);
+            Ok(Objects::new(service, &name, &address.folder, address.kind != Kind::Azure))
+        }
+        Err(Unready { problem, looked_at }) => {
+            let problem = format!("{problem} (looked at: {looked_at})");
+            Err(StoreError::Refused { path: shown, action: "open", problem })
+        }
+    })
+}
+
+/// Why a service cannot be asked at all.
+struct Unready {
+    problem: String,
+    /// Names of variables and files that were found, never their values.
+    looked_at: String,
+}
+
+/// For how long a request is repeated, seconds, where `CONVOY_RETRY_S` says nothing else. It is given up after a
+/// minute: three in all.
+const RETRIED_S: u64 = 110;
+
+fn retries() -> RetryConfig {
+    let told = std::env::var("CONVOY_RETRY_S").ok().and_then(|text| text.parse().ok());
+    RetryConfig {
+        backoff: BackoffConfig {
+            init_backoff: Duration::from_millis(100),
+            max_backoff: Duration::from_secs(15),
+            base: 2.0,
+        },
+        max_retries: 12,
+        retry_timeout: Duration::from_secs(told.unwrap_or(RETRIED_S)),
+    }
+}
+
+fn client() -> ClientOptions {
+    ClientOptions::new().with_timeout(Duration::from_mins(1)).with_connect_timeout(Duration::from_secs(5))
+}
+
+/// Names of the variables with some prefixes that are set, for messages.
+fn variables(prefixes: &[&str]) -> Vec<String> {
+    let names = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok());
+    let mut found: Vec<_> =
+        names.filter(|name| prefixes.iter().any(|prefix| name.starts_with(prefix))).collect();
+    found.sort_unstable();
+    found
+}
+
+fn listed(found: &[String]) -> String {
+    if found.is_empty() { "no variable, no profile".to_owned() } else { found.join(", ") }
+}
+
+/// Whether this machine has a service that hands out the credentials of its role.
+fn has_instance_role(host: &str) -> bool {
+    if std::env::var("AWS_EC2_METADATA_DISABLED").is_ok_and(|value| value == "true") {
+        return false;
+    }
+    let address = (host, 80).to_socket_addrs().ok().and_then(|mut found| found.next());
+    address.is_some_and(|address| TcpStream::connect_timeout(&address, Duration::from_secs(1)).is_ok())
+}
+
+fn s3(bucket: &str) -> Result<Arc<dyn ObjectStore>, Unready> {
+    let mut looked_at = variables(&["AWS_"]);
+    let mut builder = AmazonS3Builder::new().with_client_options(client());
+    let mut given = Vec::new();
+    for (name, value) in std::env::vars() {
+        if name.starts_with("AWS_")
+            && let Ok(key) = name.to_ascii_lowercase().parse::<AmazonS3ConfigKey>()
+        {
+            given.push(key);
+            builder = builder.with_config(key, value);
+        }
+    }
+    // Variables go before a profile, as with the service's own tools.
+    let unready = |problem: String, looked_at: &[String]| Unready { problem, looked_at: listed(looked_at) };
+    let profile = Profile::read().map_err(|problem| unready(problem, &looked_at))?;
+    if let Some(profile) = &profile {
+        looked_at.push(format!("profile `{}` of {}", profile.name, profile.files.join(" and ")));
+    }
+    let mut has_keys = given.contains(&AmazonS3ConfigKey::AccessKeyId);
+    let settings = profile.iter().flat_map(|profile| &profile.settings);
+    for (key, value) in settings.filter(|(key, _)| !(has_keys && Profile::is_key(*key))) {
+        if !given.contains(key) {
+            builder = builder.with_config(*key, value);
+        }
+    }
+    has_keys |= profile.is_some_and(|profile| profile.has_keys());
+    use AmazonS3ConfigKey as Key;
+    let others = [
+        Key::WebIdentityTokenFile,
+        Key::ContainerCredentialsRelativeUri,
+        Key::ContainerCredentialsFullUri,
+        Key::MetadataEndpoint,
+        Key::SkipSignature,
+    ];
+    if !has_keys && !others.iter().any(|key| given.contains(key)) && !has_instance_role("169.254.169.254") {
+        return Err(unready("there are no credentials".into(), &looked_at));
+    }
+    // Servers of one's own need not speak TLS.
+    let endpoint = |key| builder.get_config_value(&key).is_some_and(|url: String| url.starts_with("http://"));
+    if endpoint(Key::Endpoint) || endpoint(Key::S3Endpoint) {
+        builder = builder.with_allow_http(true);
+    }
+    // Objects are removed one by one: not every server can do several at once.
+    let builder = builder.with_bucket_name(bucket).with_retry(retries()).with_disable_bulk_delete(true);
+    builder.build().map(|service| Arc::new(service) as _).map_err(|e| unready(e.to_string(), &looked_at))
+}
+
+fn azure(container: &str) -> Result<Arc<dyn ObjectStore>, Unready> {
+    let looked_at = listed(&variables(&["AZURE_"]));
+    let mut builder = MicrosoftAzureBuilder::from_env().with_client_options(client());
+    use object_store::azure::AzureConfigKey as Key;
+    let given = |key: Key| builder.get_config_value(&key);
+    let is_emulated = given(Key::UseEmulator).is_some_and(|value: String| value == "true");
+    let keys =
+        [Key::AccessKey, Key::SasKey, Key::Token, Key::ClientId, Key::FederatedTokenFile, Key::MsiEndpoint];
+    let is_open = given(Key::SkipSignature).is_some_and(|value: String| value == "true");
+    if !is_emulated && !is_open && keys.into_iter().all(|key| given(key).is_none()) {
+        let has_account = given(Key::AccountName).is_some();
+        if !has_account || !has_instance_role("169.254.169.254") {
+            return Err(Unready { problem: "there are no credentials".into(), looked_at });
+        }
+    }
+    if is_emulated || given(Key::Endpoint).is_some_and(|url: String| url.starts_with("http://")) {
+        builder = builder.with_allow_http(true);
+    }
+    let built = builder.with_container_name(container).with_retry(retries()).build();
+    built.map(|service| Arc::new(service) as _).map_err(|e| Unready { problem: e.to_string(), looked_at })
+}
+
+fn google(bucket: &str) -> Result<Arc<dyn ObjectStore>, Unready> {
+    let looked_at = listed(&variables(&["GOOGLE_"]));
+    let built = GoogleCloudStorageBuilder::from_env()
+        .with_client_options(client())
+        .with_bucket_name(bucket)
+        .with_retry(retries())
+        .build();
+    built.map(|service| Arc::new(service) as _).map_err(|e| Unready { problem: e.to_string(), looked_at })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn urls_name_buckets_and_folders() {
+        for (scheme, rest, bucket, folder) in [
+            ("s3", "set", "set", ""),
+            ("s3", "set/", "set", ""),
+            ("az", "set/a/b c/", "set", "a/b c"),
+            ("gs", "set.one/x", "set.one", "x"),
+        ] {
+            let address = Address::parse(scheme, rest).expect("is a bucket").expect(rest);
+            assert_eq!((address.bucket.as_str(), address.folder.as_str()), (bucket, folder));
+        }
+        assert_eq!(Address::parse("ftp", "a/b"), None);
+        for (rest, problem) in [
+            ("", "names no bucket"),
+            ("/a", "names no bucket"),
+            ("key:secret@set/a", "environment"),
+            ("localhost:9000/a", "environment"),
+            ("set/a//b", "names no folder"),
+            ("set//a", "names no folder"),
+            ("set/../a", "names no folder"),
+            ("set/a?versionId=1", "`?`"),
+        ] {
+            let said = Address::parse("s3", rest).expect("is a bucket").expect_err(rest);
+            assert!(said.contains(problem), "{rest}: {said}");
+        }
+    }
+
+    #[test]
+    fn keys_in_urls_are_not_repeated() {
+        let refused = open("s3", "AKIAEXAMPLE:secret@set/a").expect("is a bucket");
+        let text = refused.err().expect("is refused").to_string();
+        assert!(text.contains("s3://set/a") && !text.contains("secret") && !text.contains("AKIA"), "{text}");
+    }
+}

@@ -1,0 +1,199 @@
+//! Open objects, read in parts: what is asked for next to one another is fetched in one request.
+
+use std::io;
+use std::ops::Range;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+use bytes::Bytes;
+use object_store::path::Path;
+use object_store::{GetOptions, GetRange, ObjectStore, ObjectStoreExt};
+
+use super::failure::Failure;
+use super::runtime::{start, wait};
+use crate::backend::Shard;
+
+/// The end of an object that is fetched as it is opened: indices of tables and archives lie there.
+const TAIL: u64 = 64 << 10;
+/// The least that is fetched at once, bytes, and the most that is fetched ahead of what was asked for.
+const AHEAD: Range<u64> = 64 << 10..1 << 20;
+/// The most that a hint fetches.
+const LARGEST_HINT: u64 = 32 << 20;
+/// Blocks that are kept besides the end: what is being read, and what comes next.
+const KEPT: usize = 4;
+
+/// An open object.
+pub(super) struct Ranges {
+    service: Arc<dyn ObjectStore>,
+    path: Path,
+    bytes: u64,
+    tail: (u64, Bytes),
+    kept: Mutex<Vec<Arc<Block>>>,
+}
+
+/// A part that was fetched or is being fetched.
+struct Block {
+    range: Range<u64>,
+    answer: Mutex<Option<Result<Bytes, (io::ErrorKind, String)>>>,
+    told: Condvar,
+}
+
+impl Block {
+    fn new(range: Range<u64>) -> Arc<Self> {
+        Arc::new(Self { range, answer: Mutex::new(None), told: Condvar::new() })
+    }
+
+    fn tell(&self, answer: Result<Bytes, Failure>) {
+        let answer = answer.map_err(|failure| {
+            let error = failure.into_io();
+            (error.kind(), error.to_string())
+        });
+        *lock(&self.answer) = Some(answer);
+        self.told.notify_all();
+    }
+
+    /// The bytes, once they are there.
+    fn bytes(&self) -> io::Result<Bytes> {
+        let mut answer = lock(&self.answer);
+        loop {
+            match answer.as_ref() {
+                Some(Ok(bytes)) => return Ok(bytes.clone()),
+                Some(Err((kind, text))) => return Err(io::Error::new(*kind, text.clone())),
+                None => answer = self.told.wait(answer).unwrap_or_else(PoisonError::into_inner),
+            }
+        }
+    }
+
+    fn has_failed(&self) -> bool {
+        matches!(*lock(&self.answer), Some(Err(_)))
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Ranges {
+    /// Opens an object; its end comes along.
+    pub(super) fn open(
+        service: Arc<dyn ObjectStore>,
+        path: Path,
+        knows_suffix: bool,
+    ) -> Result<Self, Failure> {
+        let (bytes, from, tail) = wait(async {
+            if !knows_suffix {
+                let found = service.head(&path).await?;
+                return Ok((found.size, found.size, Bytes::new()));
+            }
+            let options = GetOptions::new().with_range(Some(GetRange::Suffix(TAIL)));
+            let found = match service.get_opts(&path, options).await {
+                Ok(found) => found,
+                // What holds nothing has no end.
+                Err(answer) => match service.head(&path).await {
+                    Ok(found) if found.size == 0 => return Ok((0, 0, Bytes::new())),
+                    _ => return Err(answer.into()),
+                },
+            };
+            let (bytes, from) = (found.meta.size, found.range.start);
+            Ok::<_, Failure>((bytes, from, found.bytes().await?))
+        })?;
+        Ok(Self { service, path, bytes, tail: (from, tail), kept: Mutex::default() })
+    }
+
+    /// A block that holds a range: one that is there or under way, else a new one.
+    fn block(&self, range: &Range<u64>, fetched: Range<u64>) -> (Arc<Block>, bool) {
+        let mut kept = lock(&self.kept);
+        let holds = |block: &Arc<Block>| block.range.start <= range.start && range.end <= block.range.end;
+        kept.retain(|block| !block.has_failed());
+        if let Some(at) = kept.iter().position(holds) {
+            // What was used last goes last.
+            let block = kept.remove(at);
+            kept.push(Arc::clone(&block));
+            return (block, false);
+        }
+        let block = Block::new(fetched);
+        if kept.len() == KEPT {
+            kept.remove(0);
+        }
+        kept.push(Arc::clone(&block));
+        (block, true)
+    }
+
+    /// How much is fetched where a range is asked for: more and more where one follows the other.
+    fn with_what_follows(&self, range: &Range<u64>) -> Range<u64> {
+        let last = lock(&self.kept).last().map(|block| block.range.clone());
+        let ahead = match last {
+            Some(last) if (last.start..=last.end).contains(&range.start) => 2 * (last.end - last.start),
+            _ => AHEAD.start,
+        };
+        let wanted = (range.end - range.start).max(ahead.min(AHEAD.end));
+        range.start..(range.start + wanted).min(self.bytes).max(range.end)
+    }
+}
+
+async fn fetch(
+    service: &dyn ObjectStore,
+    path: &Path,
+    range: Range<u64>,
+    size: u64,
+) -> Result<Bytes, Failure> {
+    let options = GetOptions::new().with_range(Some(GetRange::Bounded(range.clone())));
+    let found = service.get_opts(path, options).await?;
+    // It was replaced since it was opened: parts of two objects make none.
+    if found.meta.size != size || found.range != range {
+        return Err(Failure::Conflict);
+    }
+    Ok(found.bytes().await?)
+}
+
+impl Shard for Ranges {
+    fn size(&self) -> u64 {
+        self.bytes
+    }
+
+    fn read_at(&self, range: Range<u64>) -> io::Result<Bytes> {
+        if range.start > range.end || range.end > self.bytes {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        let part = |bytes: &Bytes, from: u64| {
+            let at = |offset: u64| usize::try_from(offset - from).map_err(io::Error::other);
+            let (start, end) = (at(range.start)?, at(range.end)?);
+            if end > bytes.len() {
+                Err(io::ErrorKind::UnexpectedEof.into())
+            } else {
+                Ok(bytes.slice(start..end))
+            }
+        };
+        if range.is_empty() {
+            return Ok(Bytes::new());
+        }
+        if range.start >= self.tail.0 {
+            return part(&self.tail.1, self.tail.0);
+        }
+        let (block, is_new) = self.block(&range, self.with_what_follows(&range));
+        if is_new {
+            let answer = wait(fetch(self.service.as_ref(), &self.path, block.range.clone(), self.bytes));
+            block.tell(answer);
+        }
+        part(&block.bytes()?, block.range.start)
+    }
+
+    fn will_read(&self, range: Range<u64>) {
+        let range = range.start..range.end.min(self.bytes);
+        if range.is_empty() || range.start >= self.tail.0 || range.end - range.start > LARGEST_HINT {
+            return;
+        }
+        let (block, is_new) = self.block(&range, range.clone());
+        if !is_new {
+            return;
+        }
+        let (service, path, size) = (Arc::clone(&self.service), self.path.clone(), self.bytes);
+        let fetched = Arc::clone(&block);
+        let request = async move {
+            let range = fetched.range.clone();
+            fetched.tell(fetch(service.as_ref(), &path, range, size).await);
+        };
+        if let Err(error) = start(request) {
+            block.tell(Err(error.into()));
+        }
+    }
+}
