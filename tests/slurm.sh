@@ -5,7 +5,7 @@
 # twenty minutes beside a build, of which Slurm holds a requeued task for two.
 set -euo pipefail
 bin=$(realpath "$1")
-scenes=24
+source "$(dirname "$0")/cluster.sh"
 for tool in sbatch slurmctld slurmd munged; do
     PATH=$PATH:/usr/sbin command -v "$tool" >/dev/null || { echo "note: skipped, there is no $tool"; exit 0; }
 done
@@ -67,44 +67,12 @@ slurmd -N n2
 for _ in $(seq 30); do [[ $(sinfo -h -t idle -o %D) == 2 ]] && break; sleep 1; done
 sinfo
 
-cat >"$work/set.toml" <<TOML
-name = "cluster"
-seed = 5
-[scenes.train]
-"convoy/demo" = $scenes
-[agents]
-min_vehicles = 1
-max_vehicles = 2
-min_rsus = 0
-max_rsus = 1
-[timing]
-warmup_s = 1
-min_duration_s = 1
-max_duration_s = 2
-[traffic]
-vehicles = 20
-[walkers]
-count = 10
-[vehicle.camera]
-width = 160
-height = 90
-[rsu.camera]
-width = 160
-height = 90
-[vehicle.occupancy]
-voxel_m = 0.8
-[rsu.occupancy]
-voxel_m = 0.8
-TOML
+configure
 "$bin/convoy" submit --engine slurm --config "$work/set.toml" --store "$work/store" --tasks 6 --cores 1 --memory 2 \
     --minutes 60 --partition dev --submit | tee "$work/submitted"
 
-count() { "$bin/convoy" status --json --store "$work/store" | grep -c '"state": "done"' || true; }
 # A third of the scenes, then a node goes: its daemon, and all that it started.
-for _ in $(seq 300); do
-    [[ $(find "$work/store/scenes" -name merge-tracks.json 2>/dev/null | wc -l) -ge $((scenes / 3)) ]] && break
-    sleep 1
-done
+wait_for_scenes $((scenes / 3))
 squeue
 node=$(squeue -h -t R -o %N | head -1)
 lost=$(squeue -h -t R -w "$node" -o %A | head -1)
@@ -128,8 +96,4 @@ for _ in $(seq 600); do
 done
 squeue
 tail -n 3 "$work"/store-jobs/logs/join.log
-"$bin/convoy" status --store "$work/store" >"$work/status"
-"$bin/convoy" verify --store "$work/store"
-"$bin/convoy" run --config "$work/set.toml" --store "$work/alone" --progress none >"$work/log/alone.txt" 2>&1
-diff -r "$work/store" "$work/alone"
-echo "the dataset of two nodes, one of which was lost, has the bytes of one machine"
+compare

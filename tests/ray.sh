@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# Two nodes of Ray on this machine make a dataset by `python -m convoy.ray`. A first run is interrupted, a
+# second one loses a node in mid-run. The dataset has the bytes of one machine.
+# Usage: tests/ray.sh FOLDER_OF_PROGRAMS
+# Needs Ray, numpy and pyarrow (pip install ray numpy pyarrow) for the python3 that CONVOY_PYTHON names.
+set -euo pipefail
+bin=$(realpath "$1")
+here=$(realpath "$(dirname "$0")")
+source "$here/cluster.sh"
+python=${CONVOY_PYTHON:-python3}
+"$python" -c 'import ray, numpy, pyarrow' 2>/dev/null || { echo "note: skipped, $python has no Ray"; exit 0; }
+[[ $(uname) == Linux ]] || { echo "note: skipped, other addresses than 127.0.0.1 are this machine on Linux alone"; exit 0; }
+work=$(mktemp -d)
+mkdir "$work/log"
+# Nobody's configuration, and the variables of another engine, which no task may follow.
+unset RAY_ADDRESS CONVOY_PROGRAM
+export RAY_USAGE_STATS_ENABLED=0 PYTHONPATH=$here/../python/src PYTHONDONTWRITEBYTECODE=1 SLURM_ARRAY_TASK_ID=99
+# Ray makes an outer address of 127.0.0.1, and leaves other ones as they are.
+head=127.0.0.2:6399
+
+# A process and all that it started.
+tree() {
+    local child
+    for child in $(pgrep -P "$1"); do tree "$child"; done
+    echo "$1"
+}
+# All that Ray started here: its helpers outlive a node, and `ray stop` would end every Ray of this machine.
+of_ray() {
+    local process
+    for process in $(pgrep -f -- "$work/ray/|--address=$head"); do tree "$process"; done
+}
+stop() {
+    local left
+    for _ in 1 2 3; do
+        left=$(of_ray)
+        [[ -n $left ]] || break
+        # shellcheck disable=SC2086
+        kill -9 $left 2>/dev/null || true
+        sleep 1
+    done
+    [[ -n ${KEEP:-} ]] || rm -rf "$work"
+}
+trap stop EXIT
+
+start() {
+    "$python" -m ray.scripts.scripts start --num-cpus=1 --object-store-memory=100000000 "$@" >>"$work/log/ray" 2>&1 \
+        || { cat "$work/log/ray"; echo "error: Ray does not start"; exit 1; }
+}
+start --head --node-ip-address="${head%:*}" --port="${head#*:}" --include-dashboard=false --temp-dir="$work/ray"
+start --address="$head" --node-ip-address=127.0.0.3
+configure
+make_dataset() {
+    exec "$python" -m convoy.ray --address "$head" --store "$work/store" --program "$bin/convoy" --logs "$work/log/tasks" "$@"
+}
+
+# Whoever is interrupted lets the tasks end at a frame.
+make_dataset --config "$work/set.toml" --tasks 6 >"$work/log/first" 2>&1 &
+driver=$!
+wait_for_scenes 2
+kill -TERM "$driver"
+code=0
+wait "$driver" || code=$?
+cat "$work/log/first"
+[[ $code == 75 ]] || { echo "error: an interrupted run ended with $code"; exit 1; }
+! pgrep -f "$bin/.*$work/store" || { echo "error: there are tasks of a run that ended"; exit 1; }
+echo "after the interrupt status tells $(count) states that are done"
+
+# A third of the scenes, then a node goes: its daemon, and all that it started.
+make_dataset --config "$work/set.toml" --tasks 6 >"$work/log/second" 2>&1 &
+driver=$!
+wait_for_scenes $((scenes / 3))
+lost=$(pgrep -f "$work/ray/.*--node_ip_address=127.0.0.3")
+# The daemon goes first, and tells nobody of the end of its tasks.
+lost=$(for process in $lost; do tree "$process"; done | tac)
+# shellcheck disable=SC2086
+kill -9 $lost 2>/dev/null || true
+echo "after the loss status tells $(count) states that are done"
+wait "$driver" || { cat "$work/log/second"; echo "error: the run ended with $?"; exit 1; }
+grep -v state-dump "$work/log/second"
+grep -q "again in" "$work/log/second" || { echo "error: no task was lost"; exit 1; }
+
+# All is there: nothing is made.
+(make_dataset) | tail -n 1
+compare
