@@ -221,8 +221,9 @@ def make(asked: argparse.Namespace, engine: Engine, tell: Callable[[str], None])
     code = verdict(end.code for _, end in found)
     for line in summary(found):
         tell(line)
-    state = "all is done" if code == DONE else f"not all is done ({code}); the same command goes on where it was"
-    tell(f"{state}; of every scene tells: convoy status --store {asked.store}")
+    first = "mend that first: " if code == USAGE else ""
+    state = "all is done" if code == DONE else f"not all is done ({code}); {first}the same command goes on where it was"
+    tell(f"{state}; convoy status --store {asked.store} tells of every scene")
     return code
 
 
