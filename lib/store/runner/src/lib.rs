@@ -55,7 +55,7 @@ pub use programs::{Programs, STAMP_LEN};
 pub use progress::Progress;
 pub use runner::{init_logging, run_stage, say};
 pub use seen::{IsRead, MadeFrom, StageSettings, ViewError};
-pub use shares::scenes_of as scenes_of_share;
+pub use shares::{largest_of as largest_share, scenes_of as scenes_of_share};
 pub use stage::{Forecast, Job, Open, Outlook, Sections, Stage, Suspicions};
 pub use state::{NotReady, Staleness, State, StateError};
 pub use status::{Status, planned_scenes};

@@ -1,6 +1,7 @@
 //! Shares of a plan's scenes that take about as long as one another: what each of many tasks makes.
 
-use std::collections::BTreeMap;
+use std::cmp::{Ordering, Reverse};
+use std::collections::{BTreeMap, BinaryHeap};
 
 use crate::options::Shard;
 
@@ -11,21 +12,65 @@ use crate::options::Shard;
 /// stage cuts it alike, and a task that is tried again has the same scenes.
 #[must_use]
 pub fn scenes_of(work_s: &BTreeMap<u32, f64>, shard: Shard) -> Vec<u32> {
-    let mut longest: Vec<(u32, f64)> = work_s.iter().map(|(scene, work_s)| (*scene, *work_s)).collect();
-    longest.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    let mut shares = vec![(0.0, Vec::new()); shard.count as usize];
-    for (scene, work_s) in longest {
-        // There is one: a share of none is no `Shard`.
-        let least = shares.iter_mut().reduce(|least, share| if share.0 < least.0 { share } else { least });
-        if let Some((sum_s, scenes)) = least {
-            *sum_s += work_s;
+    let mut scenes = Vec::new();
+    deal(work_s, shard.count, |share, scene| {
+        if share.index == shard.index {
             scenes.push(scene);
         }
-    }
-    let mut scenes = std::mem::take(&mut shares[shard.index as usize].1);
+    });
     scenes.sort_unstable();
     scenes
 }
+
+/// The work of the largest of so many shares, in seconds of one core. More shares never make it larger.
+#[must_use]
+pub fn largest_of(work_s: &BTreeMap<u32, f64>, count: u32) -> f64 {
+    let mut largest: f64 = 0.0;
+    deal(work_s, count, |share, _| largest = largest.max(share.sum_s));
+    largest
+}
+
+/// Deals all scenes to shares, and tells of each the share that got it, with its work so far.
+fn deal(work_s: &BTreeMap<u32, f64>, count: u32, mut got: impl FnMut(Share, u32)) {
+    let mut longest: Vec<(u32, f64)> = work_s.iter().map(|(scene, work_s)| (*scene, *work_s)).collect();
+    longest.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let mut shares: BinaryHeap<Reverse<Share>> =
+        (0..count).map(|index| Reverse(Share { sum_s: 0.0, index })).collect();
+    for (scene, work_s) in longest {
+        // There is one: a share of none is no `Shard`.
+        if let Some(mut least) = shares.peek_mut() {
+            least.0.sum_s += work_s;
+            got(least.0, scene);
+        }
+    }
+}
+
+/// A share, ordered by its work so far and its number.
+#[derive(Clone, Copy, Debug)]
+struct Share {
+    sum_s: f64,
+    index: u32,
+}
+
+impl Ord for Share {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.sum_s.total_cmp(&other.sum_s).then(self.index.cmp(&other.index))
+    }
+}
+
+impl PartialOrd for Share {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Share {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Share {}
 
 #[cfg(test)]
 mod tests {
@@ -61,5 +106,18 @@ mod tests {
             .map(|scenes| scenes.into_iter().map(|scene| work_s[scene as usize]).sum::<f64>());
         let (mean_s, most_s) = (work_s.iter().sum::<f64>() / 16.0, sums.fold(0.0, f64::max));
         assert!(most_s < 1.05 * mean_s, "{most_s} beside {mean_s}");
+    }
+    #[test]
+    fn the_largest_share_shrinks_with_their_number() {
+        let work_s: BTreeMap<u32, f64> =
+            (0..90_u32).map(|scene| (scene, f64::from(scene * 37 % 23))).collect();
+        let largest: Vec<f64> = (1..=95).map(|count| largest_of(&work_s, count)).collect();
+        assert!(largest.is_sorted_by(|fewer, more| fewer >= more), "{largest:?}");
+        for (count, largest_s) in (1_u32..).zip(&largest) {
+            let sum =
+                |index| scenes_of(&work_s, Shard { index, count }).iter().map(|s| work_s[s]).sum::<f64>();
+            assert_eq!((0..count).map(sum).fold(0.0, f64::max), *largest_s, "{count} shares");
+        }
+        assert_eq!(largest.last(), Some(&22.0));
     }
 }
