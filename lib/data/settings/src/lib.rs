@@ -62,7 +62,7 @@ pub use inertial::{GnssSpec, ImuSpec};
 pub use json_schema::{json_schema, rig_json_schema};
 pub use lidar::{BeamSpec, LidarSpec, Returned, RollingScan, ScanPattern, WeatherSpec};
 pub use lights::LightSettings;
-pub use load::{load, parse, suspicions_in};
+pub use load::{load, parse, rigs_named_in, suspicions_in};
 pub use map_name::{MAP_ENDINGS, map_name};
 pub use models::ModelSettings;
 pub use mount::Mount;

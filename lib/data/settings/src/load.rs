@@ -1,6 +1,7 @@
 //! The dataset configuration: TOML in, [`DatasetSettings`] out, every fault at once with its line. YAML of
 //! SimBEV2X is translated first.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::dataset::{DatasetSettings, read};
@@ -39,6 +40,20 @@ pub fn suspicions_in(path: &Path, found: &[Suspicion]) -> Vec<Fault> {
     };
     let said = |s: &Suspicion| Fault { file: file.clone(), line: line(&s.key), message: s.message.clone() };
     found.iter().map(said).collect()
+}
+
+/// The files of rigs that a configuration file names, as it writes them: from its folder, or whole paths.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn rigs_named_in(path: &Path) -> std::io::Result<BTreeSet<String>> {
+    // SimBEV2X's configurations name none.
+    let mut named = match is_yaml(path) {
+        true => BTreeSet::new(),
+        false => texts_of(&std::fs::read_to_string(path)?, rig_keys::FILE_KEY),
+    };
+    named.remove("");
+    Ok(named)
 }
 
 /// Reads a SimBEV2X configuration.

@@ -3,7 +3,7 @@
 use crate::{DatasetSettings, Lens, Optics, Rig};
 use schema::ImageKind;
 
-use super::{Fault, example_settings, load, parse};
+use super::{Fault, example_settings, load, parse, rigs_named_in};
 
 /// A folder with a configuration that names a rig, `rigs/x.toml`; what the whole is read as.
 fn with_rig(config: &str, rig: &str) -> Result<DatasetSettings, String> {
@@ -52,6 +52,19 @@ fn keys_of_a_configuration_go_before_those_of_a_rig_file() {
         (plain.scenario.vehicle_rig, plain.scenario.vehicle_occupancy),
         (settings.scenario.vehicle_rig, settings.scenario.vehicle_occupancy)
     );
+}
+
+#[test]
+fn files_of_rigs_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let named = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("writes");
+        rigs_named_in(&folder.path().join(name)).expect("is read").into_iter().collect::<Vec<_>>()
+    };
+    let text = "[rsu]\nrig = \"\"\n[vehicle]\nrig = \"b.toml\"\n[[rigs]]\nrig = \"rigs/a.toml\"\n[[rigs]]\nrig = \"b.toml\"\n";
+    assert_eq!(named("config.toml", text), ["b.toml", "rigs/a.toml"]);
+    assert_eq!(named("config.yaml", "rig: b.toml\n"), Vec::<String>::new());
+    assert!(rigs_named_in(&folder.path().join("other.toml")).is_err());
 }
 
 #[test]
