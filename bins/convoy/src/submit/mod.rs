@@ -1,81 +1,42 @@
 //! Scripts that make a dataset on a cluster: an engine starts tasks, and each is a call of this program.
 
+mod args;
+mod config_map;
+mod groups;
+mod kubernetes;
+mod ray;
 mod size;
 mod slurm;
+mod storage;
+mod there;
+mod words;
+mod yaml;
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use clap::ValueEnum;
-use runner::forecast::Machine;
+use runner::forecast::{Machine, Work};
 use runner::{
     EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, EditionWish, Graph, Programs, STAMP_LEN, StageError, Status,
     Suspicious, say, settings_or_faults,
 };
+use settings::DatasetSettings;
 
-use self::size::{Limits, Size};
-use self::slurm::{Cluster, Split};
+pub(crate) use self::args::SubmitArgs;
+
+use self::args::Engine;
+use self::config_map::ConfigMap;
+use self::kubernetes::Jobs;
+use self::ray::Driver;
+use self::size::{Limits, Most, Size};
+use self::slurm::Cluster;
+use self::storage::Storage;
 use crate::stores::{run_program, stage_program};
 
-/// What `convoy submit` takes. The plan is made at once, here: what it will cost is told from it.
-#[derive(Debug, clap::Args)]
-pub(crate) struct SubmitArgs {
-    /// What starts the tasks.
-    #[arg(long, value_enum)]
-    engine: Engine,
-    /// Dataset configuration (TOML, or YAML of SimBEV2X).
-    #[arg(long, value_name = "FILE")]
-    config: PathBuf,
-    /// The store, in a place that all nodes see.
-    #[arg(long, value_name = "DIR")]
-    store: PathBuf,
-    /// Folder with OpenDRIVE files.
-    #[arg(long, value_name = "DIR")]
-    maps: Option<PathBuf>,
-    /// How many tasks (default: as many as end in time).
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    tasks: Option<u32>,
-    /// Minutes that a task may take.
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(5..))]
-    minutes: u32,
-    /// Cores of a task.
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
-    cores: u32,
-    /// Memory of a task, GiB (default: 2 and one for each core).
-    #[arg(long, value_name = "GIB", value_parser = clap::value_parser!(u32).range(1..))]
-    memory: Option<u32>,
-    /// Partition of all tasks.
-    #[arg(long, value_name = "NAME")]
-    partition: Option<String>,
-    /// A stage whose tasks go elsewhere: `render-sensors=gpu` to another partition, with further options of
-    /// the engine after commas (`render-sensors=gpu,--gres=gpu:1`).
-    #[arg(long, value_name = "STAGE=PARTITION[,OPTION]")]
-    split: Vec<Split>,
-    /// A further option of the engine for all jobs, such as `--account=lab`.
-    #[arg(long, value_name = "OPTION", allow_hyphen_values = true)]
-    option: Vec<String>,
-    /// Tasks that may run at once (default: all).
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    at_once: Option<u32>,
-    /// Most tasks that the engine takes as one array (Slurm: one less than `MaxArraySize`).
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..))]
-    largest_array: u32,
-    /// Folder for the scripts and their logs (default: the store's name with `-jobs`, beside it).
-    #[arg(long, value_name = "DIR")]
-    to: Option<PathBuf>,
-    /// Send them as well.
-    #[arg(long)]
-    submit: bool,
-}
-
-/// What starts tasks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Engine {
-    /// Slurm: a job that plans, an array of tasks, a job that joins.
-    Slurm,
-}
+/// Most tasks of an array where nobody says: one less than Slurm's own `MaxArraySize`.
+const LARGEST_ARRAY: u32 = 1000;
 
 /// Writes the scripts; the exit code.
 pub(crate) fn run(args: &SubmitArgs, stamp: &[u8; STAMP_LEN]) -> u8 {
@@ -89,62 +50,53 @@ pub(crate) fn run(args: &SubmitArgs, stamp: &[u8; STAMP_LEN]) -> u8 {
 }
 
 fn submit(args: &SubmitArgs, stamp: &[u8; STAMP_LEN]) -> Result<u8, StageError> {
-    let Engine::Slurm = args.engine;
+    args.check_engine().map_err(StageError::usage)?;
     let Some(settings) = settings_or_faults(&args.config, Suspicious::Unsaid) else { return Ok(EXIT_USAGE) };
+    let store = if is_url(&args.store) { args.store.clone() } else { absolute(&args.store)? };
+    let handed_over = match args.engine {
+        Engine::Kubernetes => Some(handed_over(args, &store)?),
+        Engine::Slurm | Engine::Ray => None,
+    };
+    if args.engine == Engine::Ray {
+        ray::check_splits(&args.split).map_err(StageError::usage)?;
+    }
     if args.submit {
-        is_there(args)?;
+        there::check(args).map_err(StageError::usage)?;
     }
-    let code = plan(args)?;
-    if code != EXIT_DONE {
-        return Ok(code);
-    }
-    let store = store::Store::open(&args.store)?;
-    let editions = runner::Editions::of_store(&store, &settings, EditionWish::Known)?;
-    let programs = Programs::of_build(stamp, None);
-    let status = Status::new(&store, &editions, &programs);
+    let work = match planned(args, &store, &settings, stamp)? {
+        Planned::Work(work) => work,
+        Planned::Ended(code) => return Ok(code),
+    };
     let times = Machine::measured().times;
-    let sum =
-        |stages: &BTreeMap<_, runner::forecast::Work>| stages.values().map(|work| work.core_s).sum::<f64>();
-    let work = runner::planned_work(&status)?;
+    let sum = |stages: &BTreeMap<_, Work>| stages.values().map(|work| work.core_s).sum::<f64>();
     let work_s: BTreeMap<u32, f64> =
         work.iter().map(|(scene, stages)| (*scene, times * sum(stages))).collect();
     let bytes: f64 = work.values().flat_map(BTreeMap::values).map(|work| work.bytes).sum();
-    let limits = Limits { minutes: args.minutes, cores: args.cores, largest_array: args.largest_array };
+    let most = match args.engine {
+        Engine::Slurm => Most::Array(args.largest_array.unwrap_or(LARGEST_ARRAY)),
+        Engine::Kubernetes => Most::Job(kubernetes::MOST_TASKS),
+        Engine::Ray => Most::Any,
+    };
+    let limits = Limits { minutes: args.minutes, cores: args.cores, most };
     let size = Size::choose(&work_s, args.tasks, limits).map_err(StageError::usage)?;
 
-    let absolute = |path: &Path| std::path::absolute(path).map_err(StageError::usage);
-    let root = absolute(&args.store)?;
     let folder = match &args.to {
         Some(folder) => absolute(folder)?,
-        None => {
-            let name = root.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            root.with_file_name(format!("{name}-jobs"))
-        }
+        None => jobs_folder(&store)?,
     };
-    let cluster = Cluster {
-        name: settings.name.clone(),
-        convoy: std::env::current_exe().map_err(StageError::usage)?,
-        config: absolute(&args.config)?,
-        store: root,
-        maps: args.maps.as_deref().map(absolute).transpose()?,
-        folder: folder.clone(),
-        tasks: size.tasks,
-        cores: args.cores,
-        memory_gib: args.memory.unwrap_or(2 + args.cores),
-        minutes: args.minutes,
-        partition: args.partition.clone(),
-        splits: args.split.clone(),
-        options: args.option.clone(),
-        at_once: args.at_once,
+    let has_logs = handed_over.is_none();
+    let files = match handed_over {
+        Some((storage, config)) => manifests(args, &settings.name, (storage, config), size.tasks)?,
+        None => scripts(args, &settings.name, (&store, &folder), size.tasks)?,
     };
     size.lines(bytes).iter().for_each(|line| say(line));
-    let write = |(name, text): (String, String)| {
+    let made = if has_logs { folder.join("logs") } else { folder.clone() };
+    fs::create_dir_all(&made)
+        .map_err(|e| StageError::usage(format!("{}: cannot be made: {e}", made.display())))?;
+    for (name, text) in files {
         let path = folder.join(name);
-        fs::write(&path, text).map_err(|e| StageError::usage(format!("{}: {e}", path.display())))
-    };
-    fs::create_dir_all(folder.join("logs"))
-        .map_err(|e| StageError::usage(format!("{}: cannot be made: {e}", folder.display())))?;
-    cluster.scripts().into_iter().try_for_each(write)?;
+        fs::write(&path, text).map_err(|e| StageError::usage(format!("{}: {e}", path.display())))?;
+    }
     let script = folder.join("submit.sh");
     if !args.submit {
         say(&format!("written: {0} (start it by: bash {0})", script.display()));
@@ -157,34 +109,146 @@ fn submit(args: &SubmitArgs, stamp: &[u8; STAMP_LEN]) -> Result<u8, StageError> 
     }
 }
 
-/// Makes the plan, or keeps it; the planner's exit code.
-fn plan(args: &SubmitArgs) -> Result<u8, StageError> {
+/// The files of an engine whose nodes see the folders of this machine.
+fn scripts(
+    args: &SubmitArgs,
+    name: &str,
+    (store, folder): (&Path, &Path),
+    tasks: u32,
+) -> Result<Vec<(String, String)>, StageError> {
+    let this_program = std::env::current_exe().map_err(StageError::usage)?;
+    let (config, maps) = (absolute(&args.config)?, args.maps.as_deref().map(absolute).transpose()?);
+    let (cores, memory_gib) = (args.cores, memory_gib(args));
+    let (store, folder) = (store.to_owned(), folder.to_owned());
+    if args.engine == Engine::Ray {
+        let driver = Driver {
+            config,
+            store,
+            maps,
+            folder,
+            program: args.program.clone().unwrap_or(this_program),
+            address: args.address.clone(),
+            tasks,
+            cores,
+            memory_gib,
+            splits: args.split.clone(),
+        };
+        return Ok(vec![("submit.sh".to_owned(), driver.script())]);
+    }
+    let cluster = Cluster {
+        name: name.to_owned(),
+        convoy: this_program,
+        config,
+        store,
+        maps,
+        folder,
+        tasks,
+        cores,
+        memory_gib,
+        minutes: args.minutes,
+        partition: args.partition.clone(),
+        splits: args.split.clone(),
+        options: args.option.clone(),
+        at_once: args.at_once,
+    };
+    Ok(cluster.scripts())
+}
+
+/// What pods are given of the store and of the configuration.
+fn handed_over(args: &SubmitArgs, store: &Path) -> Result<(Storage, ConfigMap), StageError> {
+    kubernetes::check_splits(&args.split).map_err(StageError::usage)?;
+    let storage = Storage::of(store, args.volume_claim.as_ref()).map_err(StageError::usage)?;
+    Ok((storage, ConfigMap::read(&args.config).map_err(StageError::usage)?))
+}
+
+/// The files of Kubernetes.
+fn manifests(
+    args: &SubmitArgs,
+    name: &str,
+    (storage, config): (Storage, ConfigMap),
+    tasks: u32,
+) -> Result<Vec<(String, String)>, StageError> {
+    let jobs = Jobs {
+        name: name.to_owned(),
+        // The command line has one.
+        image: args.image.clone().unwrap_or_default(),
+        namespace: args.namespace.clone(),
+        secret: args.secret.clone(),
+        storage,
+        maps: args.maps.as_deref().map(absolute).transpose()?,
+        config,
+        tasks,
+        cores: args.cores,
+        memory_gib: memory_gib(args),
+        splits: args.split.clone(),
+        at_once: args.at_once,
+    };
+    Ok(jobs.files())
+}
+
+fn memory_gib(args: &SubmitArgs) -> u32 {
+    args.memory.unwrap_or(2 + args.cores)
+}
+
+fn is_url(store: &Path) -> bool {
+    store.to_str().is_some_and(|text| text.contains("://"))
+}
+
+fn absolute(path: &Path) -> Result<PathBuf, StageError> {
+    std::path::absolute(path).map_err(StageError::usage)
+}
+
+/// Where scripts go by themselves: beside the store, or into the folder of whoever calls where it is a URL.
+fn jobs_folder(store: &Path) -> Result<PathBuf, StageError> {
+    let name = store.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let jobs = format!("{name}-jobs");
+    if is_url(store) { absolute(Path::new(&jobs)) } else { Ok(store.with_file_name(jobs)) }
+}
+
+/// What planning told.
+enum Planned {
+    /// The work of each scene and stage.
+    Work(BTreeMap<u32, BTreeMap<&'static str, Work>>),
+    /// There is no plan: the planner's exit code.
+    Ended(u8),
+}
+
+/// Plans, and asks the plan what it will cost. Where this machine need not reach the store, the plan is made
+/// aside and thrown away: the first job makes it anew.
+fn planned(
+    args: &SubmitArgs,
+    store: &Path,
+    settings: &DatasetSettings,
+    stamp: &[u8; STAMP_LEN],
+) -> Result<Planned, StageError> {
+    let is_aside = match args.engine {
+        Engine::Slurm => false,
+        Engine::Kubernetes => true,
+        Engine::Ray => is_url(store),
+    };
+    let aside = match is_aside {
+        true => Some(tempfile::tempdir().map_err(|e| StageError::usage(format!("a temporary folder: {e}")))?),
+        false => None,
+    };
+    let place = aside.as_ref().map_or_else(|| store.to_owned(), |folder| folder.path().join("sizes"));
+    let code = plan(args, &place)?;
+    if code != EXIT_DONE {
+        return Ok(Planned::Ended(code));
+    }
+    let store = store::Store::open(&place)?;
+    let editions = runner::Editions::of_store(&store, settings, EditionWish::Known)?;
+    let programs = Programs::of_build(stamp, None);
+    let status = Status::new(&store, &editions, &programs);
+    Ok(Planned::Work(runner::planned_work(&status)?))
+}
+
+/// Makes the plan in a store, or keeps it; the planner's exit code.
+fn plan(args: &SubmitArgs, store: &Path) -> Result<u8, StageError> {
     let planner = Graph::get().planner().name;
     let Ok(mut command) = stage_program(planner) else { return Ok(EXIT_SOME_FAILED) };
-    command.arg("--config").arg(&args.config).arg("--store").arg(&args.store);
+    command.arg("--config").arg(&args.config).arg("--store").arg(store);
     if let Some(maps) = &args.maps {
         command.arg("--maps").arg(maps);
     }
     Ok(run_program(&mut command))
-}
-
-/// Refuses where the engine is not there, or knows no such partition: before anything is written.
-fn is_there(args: &SubmitArgs) -> Result<(), StageError> {
-    let none =
-        |e| StageError::usage(format!("--submit: sinfo cannot be started ({e}): is this a node of Slurm?"));
-    let known = Command::new("sinfo").args(["-h", "-o", "%R"]).output().map_err(none)?;
-    if !known.status.success() {
-        let said = String::from_utf8_lossy(&known.stderr).trim().to_owned();
-        return Err(StageError::usage(format!("--submit: Slurm does not answer: {said}")));
-    }
-    let known: Vec<String> =
-        String::from_utf8_lossy(&known.stdout).lines().map(|line| line.trim().to_owned()).collect();
-    let wanted = args.partition.iter().chain(args.split.iter().map(|split| &split.partition));
-    match wanted.into_iter().find(|wanted| !known.contains(wanted)) {
-        Some(unknown) => Err(StageError::usage(format!(
-            "there is no partition `{unknown}`; there are {}",
-            known.join(", ")
-        ))),
-        None => Ok(()),
-    }
 }

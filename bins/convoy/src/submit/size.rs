@@ -1,9 +1,10 @@
 //! How many tasks: as many as end in time.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use indicatif::DecimalBytes;
-use runner::{Shard, scenes_of_share};
+use runner::largest_share;
 
 /// This much of the cores' time is work: threads wait for one another at the ends of scenes.
 const BUSY: f64 = 0.8;
@@ -17,8 +18,38 @@ pub(super) struct Limits {
     pub(super) minutes: u32,
     /// Cores of a task.
     pub(super) cores: u32,
-    /// Most tasks of an array.
-    pub(super) largest_array: u32,
+    /// How many tasks there may be.
+    pub(super) most: Most,
+}
+
+/// The most tasks that an engine starts as one.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Most {
+    /// An array of Slurm; the site says how many.
+    Array(u32),
+    /// A Job of Kubernetes.
+    Job(u32),
+    /// Any number.
+    Any,
+}
+
+impl Most {
+    fn count(self) -> u32 {
+        match self {
+            Self::Array(count) | Self::Job(count) => count,
+            Self::Any => u32::MAX,
+        }
+    }
+}
+
+impl fmt::Display for Most {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Array(count) => write!(f, "an array takes {count} at most (--largest-array)"),
+            Self::Job(count) => write!(f, "a Job takes {count} at most"),
+            Self::Any => f.write_str("there may be any number"),
+        }
+    }
 }
 
 /// How many tasks, and what they take.
@@ -45,7 +76,7 @@ impl Size {
         wanted: Option<u32>,
         limits: Limits,
     ) -> Result<Self, String> {
-        let Limits { minutes, cores, largest_array } = limits;
+        let Limits { minutes, cores, most: rule } = limits;
         let scenes = u32::try_from(work_s.len()).unwrap_or(u32::MAX);
         if scenes == 0 {
             return Err("the plan has no scenes".to_owned());
@@ -56,11 +87,7 @@ impl Size {
         let usable_s = f64::from(minutes) * 60.0 - NOTICE_S;
         let enough = |wall_s: f64| ((wall_s + NOTICE_S) / 60.0).ceil();
         let size = |tasks| {
-            let of_share = |index| {
-                let scenes = scenes_of_share(work_s, Shard { index, count: tasks });
-                scenes.iter().map(|scene| work_s[scene]).sum::<f64>()
-            };
-            let task_s = wall_s((0..tasks).map(of_share).fold(0.0, f64::max));
+            let task_s = wall_s(largest_share(work_s, tasks));
             let all_s = work_s.values().sum();
             Self { tasks, cores, scenes: work_s.len(), all_s, task_s, scene_s }
         };
@@ -71,12 +98,10 @@ impl Size {
                 enough(scene_s)
             ));
         }
-        let most = largest_array.min(scenes);
+        let most = rule.count().min(scenes);
         if let Some(wanted) = wanted {
-            if wanted > largest_array {
-                return Err(format!(
-                    "--tasks {wanted}: an array takes {largest_array} at most (--largest-array): give --tasks {most}"
-                ));
+            if wanted > rule.count() {
+                return Err(format!("--tasks {wanted}: {rule}: give --tasks {most}"));
             }
             let size = size(wanted.min(scenes));
             return match size.task_s > usable_s {
@@ -89,16 +114,23 @@ impl Size {
             };
         }
         let all_s: f64 = wall_s(work_s.values().sum());
-        let least = ((all_s / usable_s).ceil() as u32).clamp(1, most);
-        let fits = (least..=most).map(size).find(|size| size.task_s <= usable_s);
-        fits.ok_or_else(|| {
-            let shortest = size(most);
-            format!(
-                "{most} tasks of {minutes} minutes are too few, and an array takes {largest_array} at most: give --minutes {:.0}, \
-                 or more --cores",
-                enough(shortest.task_s)
-            )
-        })
+        let largest = size(most);
+        if largest.task_s > usable_s {
+            return Err(format!(
+                "{most} tasks of {minutes} minutes are too few, and {rule}: give --minutes {:.0}, or more --cores",
+                enough(largest.task_s)
+            ));
+        }
+        // As more tasks are never longer, the least number that ends in time is found by halving.
+        let mut tasks = ((all_s / usable_s).ceil() as u32).clamp(1, most)..most;
+        while tasks.start < tasks.end {
+            let middle = tasks.start + (tasks.end - tasks.start) / 2;
+            match size(middle).task_s <= usable_s {
+                true => tasks.end = middle,
+                false => tasks.start = middle + 1,
+            }
+        }
+        Ok(size(tasks.end))
     }
 
     /// What it will cost, for people.
@@ -123,7 +155,7 @@ impl Size {
 mod tests {
     use super::*;
 
-    const LIMITS: Limits = Limits { minutes: 60, cores: 16, largest_array: 1000 };
+    const LIMITS: Limits = Limits { minutes: 60, cores: 16, most: Most::Array(1000) };
 
     /// Scenes of some core-hours each.
     fn scenes(hours: &[f64]) -> BTreeMap<u32, f64> {
@@ -143,25 +175,36 @@ mod tests {
     }
 
     #[test]
+    fn many_tasks_are_counted_soon() {
+        let any = Limits { most: Most::Any, ..LIMITS };
+        let size = Size::choose(&scenes(&vec![10.0; 50_000]), None, any).expect("fits");
+        // One takes 47 minutes: no task has two.
+        assert_eq!(size.tasks, 50_000);
+    }
+
+    #[test]
     fn what_cannot_be_is_told_with_what_can() {
         let refused = |hours: &[f64], wanted, limits| {
             Size::choose(&scenes(hours), wanted, limits).expect_err("does not fit")
         };
-        let few = Limits { largest_array: 10, ..LIMITS };
+        let few = Limits { most: Most::Array(10), ..LIMITS };
+        let job = Limits { most: Most::Job(100_000), ..LIMITS };
         insta::assert_snapshot!(
             [
                 refused(&[1.0, 16.0], None, LIMITS),
                 refused(&[1.8; 256], None, few),
                 refused(&[1.8; 256], Some(11), few),
                 refused(&[1.8; 256], Some(5), few),
+                refused(&[1.8], Some(200_000), job),
                 refused(&[], None, LIMITS),
             ]
             .join("\n"),
             @"
         scene 1 alone takes about 75 minutes on 16 cores: give --minutes 77, or more --cores
-        10 tasks of 60 minutes are too few, and an array takes 10 at most: give --minutes 222, or more --cores
+        10 tasks of 60 minutes are too few, and an array takes 10 at most (--largest-array): give --minutes 222, or more --cores
         --tasks 11: an array takes 10 at most (--largest-array): give --tasks 10
         --tasks 5: the longest would take about 439 minutes: give --minutes 441, or more tasks
+        --tasks 200000: a Job takes 100000 at most: give --tasks 1
         the plan has no scenes
         "
         );

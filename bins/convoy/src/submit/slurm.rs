@@ -1,35 +1,12 @@
 //! Slurm: a job that plans, arrays of tasks, a job that joins whatever happened.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use runner::StageSpec;
-use runner::scene_stages;
+use super::groups::{Group, Split, groups_of};
+use super::words::{quoted, word};
 
 /// A task that could not end is tried again so many times.
 const MOST_RESTARTS: u32 = 5;
-
-/// A stage whose tasks go to another partition.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Split {
-    stage: &'static str,
-    pub(super) partition: String,
-    options: Vec<String>,
-}
-
-impl std::str::FromStr for Split {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (stage, rest) = text.split_once('=').ok_or("expected STAGE=PARTITION")?;
-        let known = scene_stages().find(|known| known.name == stage).ok_or_else(|| {
-            let names: Vec<&str> = scene_stages().map(|stage| stage.name).collect();
-            format!("there is no stage of scenes `{stage}`; there are {}", names.join(", "))
-        })?;
-        let mut words = rest.split(',').map(str::to_owned);
-        let partition = words.next().filter(|name| !name.is_empty()).ok_or("expected STAGE=PARTITION")?;
-        Ok(Self { stage: known.name, partition, options: words.collect() })
-    }
-}
 
 /// What the scripts are about.
 #[derive(Clone, Debug)]
@@ -51,16 +28,10 @@ pub(super) struct Cluster {
     pub(super) at_once: Option<u32>,
 }
 
-/// Stages that run in one array.
-struct Group {
-    stages: Vec<&'static str>,
-    split: Option<Split>,
-}
-
 impl Cluster {
     /// The scripts, by name.
     pub(super) fn scripts(&self) -> Vec<(String, String)> {
-        let groups = self.groups();
+        let groups = groups_of(&self.splits);
         let mut scripts = vec![("plan.sh".to_owned(), self.plan())];
         let named = groups.iter().map(|group| (format!("{}.sh", group.name()), self.array(group)));
         scripts.extend(named);
@@ -69,39 +40,8 @@ impl Cluster {
         scripts
     }
 
-    /// The stages of scenes in the arrays in which they run, in their order: those that go elsewhere alone,
-    /// all others as early as what they read allows.
-    fn groups(&self) -> Vec<Group> {
-        let split_of = |stage: &StageSpec| self.splits.iter().find(|split| split.stage == stage.name);
-        let mut left: Vec<&'static StageSpec> = scene_stages().collect();
-        let mut groups = Vec::new();
-        while !left.is_empty() {
-            let mut stages = Vec::new();
-            let mut later = Vec::new();
-            for stage in left {
-                let waits =
-                    |input: &StageSpec| later.iter().any(|later: &&StageSpec| later.name == input.name);
-                if split_of(stage).is_some() || stage.inputs().any(waits) {
-                    later.push(stage);
-                } else {
-                    stages.push(stage.name);
-                }
-            }
-            if !stages.is_empty() {
-                groups.push(Group { stages, split: None });
-            }
-            // The first of those that wait reads nothing of the others.
-            left = later;
-            if let Some(split) = left.first().copied().and_then(split_of) {
-                groups.push(Group { stages: vec![split.stage], split: Some(split.clone()) });
-                left.remove(0);
-            }
-        }
-        groups
-    }
-
     fn header(&self, kind: &str, lines: &[String], split: Option<&Split>) -> String {
-        let partition = split.map(|split| &split.partition).or(self.partition.as_ref());
+        let partition = split.map(|split| &split.place).or(self.partition.as_ref());
         let mut all = vec![format!("--job-name={}", word(&format!("{}-{kind}", self.name)))];
         all.extend(partition.map(|partition| format!("--partition={partition}")));
         all.extend(lines.iter().cloned());
@@ -211,38 +151,8 @@ exit "$code"
     }
 }
 
-impl Group {
-    fn is_all(&self) -> bool {
-        self.stages.len() == scene_stages().count()
-    }
-
-    /// Of its script and of its logs.
-    fn name(&self) -> String {
-        if self.is_all() { "scenes".to_owned() } else { self.stages.join("-") }
-    }
-
-    /// As `--stages` takes it.
-    fn words(&self) -> String {
-        if self.is_all() { "scenes".to_owned() } else { self.stages.join(",") }
-    }
-}
-
-/// A path as a word of a shell.
-fn quoted(path: &Path) -> String {
-    let text = path.display().to_string();
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:,@%=".contains(c);
-    if text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
-}
-
-/// A name without what a job's name cannot have.
-fn word(text: &str) -> String {
-    text.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' }).collect()
-}
-
 #[cfg(test)]
 mod tests {
-    use runner::Graph;
-
     use super::*;
 
     fn cluster() -> Cluster {
@@ -297,37 +207,5 @@ mod tests {
             ]
         );
         insta::assert_snapshot!(text(&scripts));
-    }
-
-    #[test]
-    fn splits_name_stages_of_scenes() {
-        for wrong in ["render-sensors", "render-sensors=", "stats=gpu", "paint=gpu"] {
-            assert!(wrong.parse::<Split>().is_err(), "{wrong}");
-        }
-        // A graph of two splits: the first is not waited for by what does not read it.
-        let mut two = cluster();
-        two.splits =
-            ["occupancy-gt=big", "render-sensors=gpu"].map(|split| split.parse().expect("is one")).to_vec();
-        let groups: Vec<Vec<&str>> = two.groups().into_iter().map(|group| group.stages).collect();
-        assert_eq!(
-            groups,
-            [
-                vec!["simulate-and-log", "bev-gt"],
-                vec!["render-sensors"],
-                vec!["occupancy-gt"],
-                vec!["postprocess-valid", "merge-tracks"]
-            ]
-        );
-        assert!(
-            Graph::get().stages.len() > groups.concat().len(),
-            "plan and statistics are jobs of their own"
-        );
-    }
-
-    #[test]
-    fn paths_are_words_of_a_shell() {
-        assert_eq!(quoted(Path::new("/a b/it's")), r"'/a b/it'\''s'");
-        assert_eq!(quoted(Path::new("/a-b/c.d")), "/a-b/c.d");
-        assert_eq!(word("rain in: town"), "rain_in__town");
     }
 }
