@@ -50,7 +50,7 @@ SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
 AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels scale test-slurm test-stores test-ray gpus gpu-kit docs help
+.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels scale test-slurm test-stores test-ray test-kubernetes gpus gpu-kit docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [DEVICE=cpu|gpu|NAME] [REDO=1] [ACCEPT_CODE=1] [GROW=1] [STRICT=1]    (STORE: dataset for the demo, else the configuration's name)"
@@ -240,6 +240,11 @@ test-stores: build
 # The same by two nodes of Ray; the Python needs it: make test-ray [PYTHON=python3].
 test-ray: build
 	CONVOY_PYTHON=$(PYTHON) tests/ray.sh $(BIN)
+
+# The manifests of Kubernetes by its schemas, and a dataset by their containers' commands; the Python needs
+# kubernetes-validate: make test-kubernetes [PYTHON=python3].
+test-kubernetes: build
+	CONVOY_PYTHON=$(PYTHON) tests/kubernetes.sh $(BIN)
 
 # The property tests with other random cases, again and again: make soak [ROUNDS=20] [CRATE=convoy-town].
 soak:
