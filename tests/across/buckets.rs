@@ -1,4 +1,5 @@
-//! Stores in a bucket: the bytes of the disk's, whatever goes wrong on the way, and errors that say what it was.
+//! Stores in a bucket: the bytes of the disk's, whatever goes wrong on the way, and errors that say what it
+//! was.
 
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -96,7 +97,6 @@ fn whatever_goes_wrong_with_requests_the_bytes_are_the_same() {
     assert_eq!(digests(&server), bench.digests());
     let verified = convoy(&server, &bench, &["verify", "--store", URL]);
     verified.expect_done();
-    println!("{tries} tries");
 }
 
 #[test]

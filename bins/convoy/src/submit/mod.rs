@@ -236,6 +236,9 @@ fn planned(
         return Ok(Planned::Ended(code));
     }
     let store = store::Store::open(&place)?;
+    if !is_aside {
+        store::probe(&store)?;
+    }
     let editions = runner::Editions::of_store(&store, settings, EditionWish::Known)?;
     let programs = Programs::of_build(stamp, None);
     let status = Status::new(&store, &editions, &programs);

@@ -32,8 +32,9 @@ pub trait Backend: Send + Sync {
     /// The place cannot be written to.
     fn put_if_absent(&self, key: &str, owner: &str, bytes: &[u8]) -> Result<bool, StoreError>;
 
-    /// Puts a whole object in the place of one whose bytes are `old`. Returns whether it did: `false` means that
-    /// another one is there now, or none. A disk looks first and puts then; what a bucket does is one step.
+    /// Puts a whole object in the place of one whose bytes are `old`. Returns whether it did: `false` means
+    /// that another one is there now, or none. A disk looks first and puts then; what a bucket does is one
+    /// step.
     ///
     /// # Errors
     /// The place cannot be read or written.
@@ -91,8 +92,8 @@ pub trait Backend: Send + Sync {
     /// The place cannot be listed.
     fn unfinished(&self, folder: &str) -> Result<Vec<Unfinished>, StoreError>;
 
-    /// Whether [`Backend::unfinished`] and [`Backend::sweep`] can know of everything that was begun. Where not,
-    /// a rule of the place must end it.
+    /// Whether [`Backend::unfinished`] and [`Backend::sweep`] can know of everything that was begun. Where
+    /// not, a rule of the place must end it.
     fn lists_unfinished(&self) -> bool {
         true
     }
@@ -161,8 +162,8 @@ pub trait Shard: Send + Sync {
     /// They cannot be read, or the range reaches beyond the end.
     fn read_at(&self, range: Range<u64>) -> std::io::Result<Bytes>;
 
-    /// A hint: these bytes are read soon, in small parts. A place where each request takes time fetches them in
-    /// one, in the background.
+    /// A hint: these bytes are read soon, in small parts. A place where each request takes time fetches them
+    /// in one, in the background.
     fn will_read(&self, _range: Range<u64>) {}
 }
 

@@ -127,13 +127,12 @@ impl Table {
         let columns = group.columns().iter().enumerate();
         let read =
             columns.filter(|(i, _)| self.columns.leaf_included(*i)).map(|(_, column)| column.byte_range());
-        let (mut span, mut needed) = (u64::MAX..0, 0);
+        let (mut first, mut end, mut needed) = (u64::MAX, 0, 0);
         for (start, bytes) in read {
-            span = span.start.min(start)..span.end.max(start.saturating_add(bytes));
+            (first, end) = (first.min(start), end.max(start.saturating_add(bytes)));
             needed += bytes;
         }
-        let is_dense = span.start < span.end && span.end - span.start <= 2 * needed;
-        is_dense.then_some(span)
+        (first < end && end - first <= 2 * needed).then_some(first..end)
     }
 
     /// Reads some rows, in ascending ranges.

@@ -5,8 +5,8 @@
 //! at any instant: what is named by a manifest is whole, what is not is swept at the next start.
 //!
 //! * [`Store::open`]: a store by its path or URL.
-//! * [`Backend`]: the few operations a place of storage must offer, as [`Disk`], [`Objects`] and [`Memory`] do.
-//!   Nothing above it renames or assumes a file system.
+//! * [`Backend`]: the few operations a place of storage must offer, as [`Disk`], [`Objects`] and [`Memory`]
+//!   do. Nothing above it renames or assumes a file system.
 //! * [`keys`]: the layout, one function per kind of file.
 //! * [`Manifest`], [`Attempt`], [`Unit`]: writing a stage's outputs.
 //! * [`Store::read_rows`], [`Store::row_groups`]: reading tables.
@@ -67,8 +67,8 @@ pub struct Store {
 
 impl Store {
     /// The store at a place: a folder, which need not exist yet, by its path or as `file:///FOLDER`; a folder
-    /// of a bucket, as `s3://BUCKET/FOLDER`, `az://CONTAINER/FOLDER` or `gs://BUCKET/FOLDER`, whose service and
-    /// credentials come from the environment; `memory:` is a fresh one that ends with the process.
+    /// of a bucket, as `s3://BUCKET/FOLDER`, `az://CONTAINER/FOLDER` or `gs://BUCKET/FOLDER`, whose service
+    /// and credentials come from the environment; `memory:` is a fresh one that ends with the process.
     ///
     /// ```
     /// use store::{Scope, Store, StoreError};

@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
 use super::http::Request;
-use super::{Object, Place, lock};
+use super::place::{Object, Place, lock};
 
 /// Keys of one answer to a listing.
 const PAGE: usize = 1000;

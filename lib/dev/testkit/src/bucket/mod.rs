@@ -3,17 +3,19 @@
 
 mod answer;
 mod http;
+mod place;
 
 use std::collections::BTreeMap;
 use std::io::{BufReader, Write};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
 use self::answer::Answer;
 pub use self::http::Request;
+use self::place::{Object, Place, lock};
 
 /// What goes wrong with a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,33 +45,12 @@ pub struct BucketServer {
 
 /// What all connections see.
 #[derive(Default)]
-pub(crate) struct Shared {
-    pub(crate) place: Mutex<Place>,
+struct Shared {
+    place: Mutex<Place>,
     faults: Mutex<Option<Faults>>,
     counts: Mutex<BTreeMap<String, u64>>,
     next: AtomicU64,
     is_stopped: AtomicBool,
-}
-
-/// What is kept.
-#[derive(Default)]
-pub(crate) struct Place {
-    pub(crate) objects: BTreeMap<String, Object>,
-    /// Uploads by number: the key, and parts by number.
-    pub(crate) uploads: BTreeMap<u64, (String, BTreeMap<u32, Vec<u8>>)>,
-    pub(crate) changes: u64,
-    pub(crate) ignores_conditions: bool,
-}
-
-/// An object, and what tells its versions apart.
-#[derive(Clone)]
-pub(crate) struct Object {
-    pub(crate) bytes: Arc<Vec<u8>>,
-    pub(crate) version: u64,
-}
-
-pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl BucketServer {

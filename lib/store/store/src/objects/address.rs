@@ -5,12 +5,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use object_store::aws::{AmazonS3Builder, AmazonS3ConfigKey};
-use object_store::azure::MicrosoftAzureBuilder;
+use object_store::azure::{AzureConfigKey, MicrosoftAzureBuilder};
 use object_store::gcp::GoogleCloudStorageBuilder;
 use object_store::path::Path;
 use object_store::{BackoffConfig, ClientOptions, ObjectStore, RetryConfig};
 
-use super::Objects;
+use super::bucket::Objects;
 use super::profile::Profile;
 use super::runtime::choose_encryption;
 use crate::StoreError;
@@ -78,9 +78,10 @@ pub(crate) fn open(scheme: &str, rest: &str) -> Option<Result<Objects, StoreErro
         }
     };
     Some(match opened {
-        Ok(service) => {
+        Ok((service, looked_at)) => {
             let name = format!("{scheme}://{}", address.bucket);
-            Ok(Objects::new(service, &name, &address.folder, address.kind != Kind::Azure))
+            let bucket = Objects::new(service, &name, &address.folder, address.kind != Kind::Azure);
+            Ok(bucket.let_in_by(&looked_at))
         }
         Err(Unready { problem, looked_at }) => {
             let problem = format!("{problem} (looked at: {looked_at})");
@@ -89,6 +90,9 @@ pub(crate) fn open(scheme: &str, rest: &str) -> Option<Result<Objects, StoreErro
     })
 }
 
+/// A service, and names of what gave its credentials.
+type Opened = (Arc<dyn ObjectStore>, String);
+
 /// Why a service cannot be asked at all.
 struct Unready {
     problem: String,
@@ -96,8 +100,8 @@ struct Unready {
     looked_at: String,
 }
 
-/// For how long a request is repeated, seconds, where `CONVOY_RETRY_S` says nothing else. It is given up after a
-/// minute: three in all.
+/// For how long a request is repeated, seconds, where `CONVOY_RETRY_S` says nothing else. It is given up
+/// after a minute: three in all.
 const RETRIED_S: u64 = 110;
 
 fn retries() -> RetryConfig {
@@ -139,7 +143,7 @@ fn has_instance_role(host: &str) -> bool {
     address.is_some_and(|address| TcpStream::connect_timeout(&address, Duration::from_secs(1)).is_ok())
 }
 
-fn s3(bucket: &str) -> Result<Arc<dyn ObjectStore>, Unready> {
+fn s3(bucket: &str) -> Result<Opened, Unready> {
     let mut looked_at = variables(&["AWS_"]);
     let mut builder = AmazonS3Builder::new().with_client_options(client());
     let mut given = Vec::new();
@@ -165,57 +169,70 @@ fn s3(bucket: &str) -> Result<Arc<dyn ObjectStore>, Unready> {
         }
     }
     has_keys |= profile.is_some_and(|profile| profile.has_keys());
-    use AmazonS3ConfigKey as Key;
     let others = [
-        Key::WebIdentityTokenFile,
-        Key::ContainerCredentialsRelativeUri,
-        Key::ContainerCredentialsFullUri,
-        Key::MetadataEndpoint,
-        Key::SkipSignature,
+        AmazonS3ConfigKey::WebIdentityTokenFile,
+        AmazonS3ConfigKey::ContainerCredentialsRelativeUri,
+        AmazonS3ConfigKey::ContainerCredentialsFullUri,
+        AmazonS3ConfigKey::MetadataEndpoint,
+        AmazonS3ConfigKey::SkipSignature,
     ];
     if !has_keys && !others.iter().any(|key| given.contains(key)) && !has_instance_role("169.254.169.254") {
         return Err(unready("there are no credentials".into(), &looked_at));
     }
     // Servers of one's own need not speak TLS.
     let endpoint = |key| builder.get_config_value(&key).is_some_and(|url: String| url.starts_with("http://"));
-    if endpoint(Key::Endpoint) || endpoint(Key::S3Endpoint) {
+    if endpoint(AmazonS3ConfigKey::Endpoint) || endpoint(AmazonS3ConfigKey::S3Endpoint) {
         builder = builder.with_allow_http(true);
     }
     // Objects are removed one by one: not every server can do several at once.
     let builder = builder.with_bucket_name(bucket).with_retry(retries()).with_disable_bulk_delete(true);
-    builder.build().map(|service| Arc::new(service) as _).map_err(|e| unready(e.to_string(), &looked_at))
+    match builder.build() {
+        Ok(service) => Ok((Arc::new(service), listed(&looked_at))),
+        Err(e) => Err(unready(e.to_string(), &looked_at)),
+    }
 }
 
-fn azure(container: &str) -> Result<Arc<dyn ObjectStore>, Unready> {
+fn azure(container: &str) -> Result<Opened, Unready> {
     let looked_at = listed(&variables(&["AZURE_"]));
     let mut builder = MicrosoftAzureBuilder::from_env().with_client_options(client());
-    use object_store::azure::AzureConfigKey as Key;
-    let given = |key: Key| builder.get_config_value(&key);
-    let is_emulated = given(Key::UseEmulator).is_some_and(|value: String| value == "true");
-    let keys =
-        [Key::AccessKey, Key::SasKey, Key::Token, Key::ClientId, Key::FederatedTokenFile, Key::MsiEndpoint];
-    let is_open = given(Key::SkipSignature).is_some_and(|value: String| value == "true");
+    let given = |key: AzureConfigKey| builder.get_config_value(&key);
+    let is_emulated = given(AzureConfigKey::UseEmulator).is_some_and(|value: String| value == "true");
+    let keys = [
+        AzureConfigKey::AccessKey,
+        AzureConfigKey::SasKey,
+        AzureConfigKey::Token,
+        AzureConfigKey::ClientId,
+        AzureConfigKey::FederatedTokenFile,
+        AzureConfigKey::MsiEndpoint,
+    ];
+    let is_open = given(AzureConfigKey::SkipSignature).is_some_and(|value: String| value == "true");
     if !is_emulated && !is_open && keys.into_iter().all(|key| given(key).is_none()) {
-        let has_account = given(Key::AccountName).is_some();
+        let has_account = given(AzureConfigKey::AccountName).is_some();
         if !has_account || !has_instance_role("169.254.169.254") {
             return Err(Unready { problem: "there are no credentials".into(), looked_at });
         }
     }
-    if is_emulated || given(Key::Endpoint).is_some_and(|url: String| url.starts_with("http://")) {
+    if is_emulated || given(AzureConfigKey::Endpoint).is_some_and(|url: String| url.starts_with("http://")) {
         builder = builder.with_allow_http(true);
     }
     let built = builder.with_container_name(container).with_retry(retries()).build();
-    built.map(|service| Arc::new(service) as _).map_err(|e| Unready { problem: e.to_string(), looked_at })
+    match built {
+        Ok(service) => Ok((Arc::new(service), looked_at)),
+        Err(e) => Err(Unready { problem: e.to_string(), looked_at }),
+    }
 }
 
-fn google(bucket: &str) -> Result<Arc<dyn ObjectStore>, Unready> {
+fn google(bucket: &str) -> Result<Opened, Unready> {
     let looked_at = listed(&variables(&["GOOGLE_"]));
     let built = GoogleCloudStorageBuilder::from_env()
         .with_client_options(client())
         .with_bucket_name(bucket)
         .with_retry(retries())
         .build();
-    built.map(|service| Arc::new(service) as _).map_err(|e| Unready { problem: e.to_string(), looked_at })
+    match built {
+        Ok(service) => Ok((Arc::new(service), looked_at)),
+        Err(e) => Err(Unready { problem: e.to_string(), looked_at }),
+    }
 }
 
 #[cfg(test)]

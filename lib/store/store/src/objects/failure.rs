@@ -51,15 +51,22 @@ impl From<Answer> for Failure {
 }
 
 impl Failure {
-    /// As an error of reading or writing `location`.
-    pub(super) fn into_store(self, location: String, action: &'static str, writes: bool) -> StoreError {
+    /// As an error of reading or writing `location`, for whoever was let in by `credentials` (names, no
+    /// values).
+    pub(super) fn into_store(
+        self,
+        location: String,
+        action: &'static str,
+        writes: bool,
+        credentials: &str,
+    ) -> StoreError {
         match self {
             Self::Away(source) if writes => StoreError::write(location, action, source),
             Self::Away(source) => StoreError::Read { path: location, action, source },
             Self::Absent => StoreError::Missing { path: location },
             Self::Conflict => StoreError::Contested { path: location },
             Self::Refused(told) => {
-                let problem = format!("the service refuses: {told}");
+                let problem = format!("the service refuses: {told} (looked at: {credentials})");
                 StoreError::Refused { path: location, action, problem }
             }
         }

@@ -30,10 +30,13 @@ pub(super) struct Ranges {
     kept: Mutex<Vec<Arc<Block>>>,
 }
 
+/// Bytes, or why there are none: an error that several can be told.
+type Answer = Result<Bytes, (io::ErrorKind, String)>;
+
 /// A part that was fetched or is being fetched.
 struct Block {
     range: Range<u64>,
-    answer: Mutex<Option<Result<Bytes, (io::ErrorKind, String)>>>,
+    answer: Mutex<Option<Answer>>,
     told: Condvar,
 }
 

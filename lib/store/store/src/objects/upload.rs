@@ -23,8 +23,8 @@ pub(super) const UNDER_WAY: usize = 8;
 pub(super) struct Upload {
     service: Arc<dyn ObjectStore>,
     path: Path,
-    location: String,
     budget: Arc<Semaphore>,
+    failed: Box<dyn Fn(Failure) -> StoreError + Send>,
     /// What is in no part yet.
     rest: Vec<u8>,
     parts: Option<Parts>,
@@ -39,13 +39,14 @@ struct Parts {
 }
 
 impl Upload {
+    /// Starts an object. `failed` says where it was to be.
     pub(super) fn new(
         service: Arc<dyn ObjectStore>,
         path: Path,
-        location: String,
         budget: Arc<Semaphore>,
+        failed: Box<dyn Fn(Failure) -> StoreError + Send>,
     ) -> Self {
-        Self { service, path, location, budget, rest: Vec::new(), parts: None }
+        Self { service, path, budget, failed, rest: Vec::new(), parts: None }
     }
 
     /// Sends what is in hand as one more part. Waits where too many are under way.
@@ -151,8 +152,7 @@ impl Write for Upload {
 
 impl Sink for Upload {
     fn commit(mut self: Box<Self>) -> Result<(), StoreError> {
-        let location = self.location.clone();
-        self.complete().map_err(|failure| failure.into_store(location, "write", true))
+        self.complete().map_err(|failure| (self.failed)(failure))
     }
 }
 

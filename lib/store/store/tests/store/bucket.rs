@@ -187,7 +187,7 @@ fn frames_are_one_request_each() {
     // Numbers that do not pack.
     let noise = |salt: u64| -> Vec<f32> {
         let mixed = |i: u64| (i ^ salt.rotate_left(32)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        (0..20_000).map(|i| f32::from_bits(0x3f80_0000 | (mixed(mixed(i)) >> 41) as u32)).collect()
+        (0..40_000).map(|i| f32::from_bits(0x3f80_0000 | (mixed(mixed(i)) >> 41) as u32)).collect()
     };
     let frame = |frame: u32| {
         let at = |axis: u64| noise(u64::from(frame) * 3 + axis);
