@@ -13,6 +13,7 @@ import pyarrow as pa
 
 from convoy.errors import StoreError
 from convoy.files import Files
+from convoy.places import place_of
 from convoy.poses import Array, pose
 
 if TYPE_CHECKING:
@@ -23,11 +24,14 @@ _ROSTER = "plan/roster.json"
 
 
 class Dataset:
-    """A store: a folder that `make dataset` wrote. Nothing is read before it is asked for; may be pickled."""
+    """A store: a folder that `make dataset` wrote, or the URL of one: s3://BUCKET/PREFIX, gs://BUCKET/PREFIX,
+    az://CONTAINER/PREFIX, file:///FOLDER. Nothing is read before it is asked for; may be pickled."""
 
     def __init__(self, store: str | os.PathLike[str]) -> None:
-        self.path = pathlib.Path(store).absolute()
-        self._files = Files(self.path, None)
+        self._place = place_of(store)
+        self.location = self._place.location
+        """Its whole path, or its URL."""
+        self._files = Files(self._place, None)
         self._files.check_format(self._files.json("dataset.json"), "dataset.json")
         rows = self._files.table("plan/scenes.parquet", ["scene", "split", "map", "frames"]).to_pylist()
         self._plan = {row["scene"]: row for row in rows}
@@ -36,14 +40,19 @@ class Dataset:
         self._maps: dict[str, pa.Table] = {}
 
     def __repr__(self) -> str:
-        return f"Dataset({str(self.path)!r})"
+        return f"Dataset({self.location!r})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (Dataset, (str(self.path),))
+        return (Dataset, (self.location,))
+
+    @property
+    def path(self) -> pathlib.Path | None:
+        """Its folder; a store in a bucket has none."""
+        return self._place.path
 
     def _read_kinds(self) -> dict[int, tuple[int, str]]:
         """Edition and group of each scene; stores of older releases have one edition and no groups."""
-        if not (self.path / _ROSTER).exists():
+        if not self._files.has(_ROSTER):
             return {}
         slots = self._files.json(_ROSTER)
         return {slot["scene"]: (slot.get("edition", 0), slot.get("group", "")) for slot in slots}
@@ -93,17 +102,21 @@ class Dataset:
             raise StoreError(
                 f"there is no split {split}: it has {', '.join(self.splits)}",
                 do="choose one of these",
-                file=str(self.path),
+                file=self.location,
             )
         if group is not None and group not in self.groups:
             raise StoreError(
                 f"there is no group {group}: it has {', '.join(name or 'no group' for name in self.groups)}",
                 do="choose one of these",
-                file=str(self.path),
+                file=self.location,
             )
-        numbers = [number for number, row in sorted(self._plan.items()) if split in (None, row["split"])]
-        scenes = [self.scene(number) for number in numbers]
-        scenes = [scene for scene in scenes if group in (None, scene.group) and edition in (None, scene.edition)]
+        numbers = []
+        for number, row in sorted(self._plan.items()):
+            its_edition, its_group = self._kinds.get(number, (0, ""))
+            if split in (None, row["split"]) and group in (None, its_group) and edition in (None, its_edition):
+                numbers.append(number)
+        # Each asks for its manifests.
+        scenes = self._place.each(self.scene, numbers)
         return [scene for scene in scenes if set(stages) <= scene.stages]
 
     def scene(self, number: int) -> Scene:
@@ -113,7 +126,7 @@ class Dataset:
                 f"the plan has no such scene, it has {len(self._plan)}",
                 do="choose one of Dataset.splits",
                 scene=number,
-                file=str(self.path),
+                file=self.location,
             )
         if number not in self._scenes:
             self._scenes[number] = Scene(self, number)
@@ -138,7 +151,7 @@ class Scene:
         """How many frames it has."""
         self.edition, self.group = dataset._kinds.get(number, (0, ""))
         """Which of `Dataset.editions` it was made by, and its group there (empty: none)."""
-        self._files = Files(dataset.path, number)
+        self._files = Files(dataset._place, number)
 
     def __repr__(self) -> str:
         return f"Scene({self.number}, split={self.split!r}, map={self.map_name!r}, frames={self.frames})"

@@ -13,6 +13,8 @@ from typing import Any
 
 import pyarrow.parquet as pq
 
+from convoy.places import place_of
+
 
 class ProgramError(RuntimeError):
     """The program is not there, or ended with an error; the message has what it said."""
@@ -51,12 +53,13 @@ def evaluate(
     program: str | os.PathLike[str] | None = None,
     options: Sequence[str] = (),
 ) -> Evaluation:
-    """Scores a Parquet file of predictions against a store with `convoy evaluate`.
+    """Scores a Parquet file of predictions against a store, a folder or a URL, with `convoy evaluate`.
 
     The program is `program`, or what the variable CONVOY_PROGRAM names, or `convoy` on the path, or target/release/convoy here;
     `options` are further ones of its command line. Raises `ProgramError`.
     """
     convoy = found(program)
+    place_of(store)  # Faults repeat the command, which must have no secrets in it.
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder, "scores.parquet")
         command = [convoy, "evaluate", "--predictions", str(predictions), "--store", str(store), "--out", str(out)]

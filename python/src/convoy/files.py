@@ -6,7 +6,6 @@ import functools
 import io
 import json
 import os
-import pathlib
 import threading
 import zipfile
 from collections import OrderedDict
@@ -18,6 +17,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from convoy.errors import StoreError
+from convoy.places import Place, Source
 from convoy.poses import Array
 
 FORMAT_VERSION = 1
@@ -57,7 +57,7 @@ class _Handles(threading.local):
 
     def clear(self) -> None:
         self.pid = os.getpid()
-        self.files: OrderedDict[pathlib.Path, Any] = OrderedDict()
+        self.files: OrderedDict[str, Any] = OrderedDict()
         self.tables: OrderedDict[tuple[Any, ...], pa.Table] = OrderedDict()
 
     def keep(self, kept: OrderedDict[Any, T], key: Any, make: Callable[[], T], limit: int) -> T:
@@ -88,20 +88,38 @@ def stage_of(key: str) -> str:
 class Files:
     """The finished files of a store, or of one of its scenes."""
 
-    def __init__(self, root: pathlib.Path, scene: int | None) -> None:
-        self.root, self.scene = root, scene
-        folder = root / "plan" if scene is None else root / f"scenes/{scene:04d}/_manifests"
-        names = [folder / "_manifest.json"] if scene is None else sorted(folder.glob("*.json"))
+    def __init__(self, place: Place, scene: int | None) -> None:
+        self.place, self.scene = place, scene
         self.outputs: dict[str, int] = {}
         self.stages: set[str] = set()
-        for path in names:
-            manifest = self._json(path)
+        names = ["plan/_manifest.json"] if scene is None else self._manifests(f"scenes/{scene:04d}/_manifests")
+        for name, manifest in zip(names, place.each(self._manifest, names), strict=True):
+            file = place.where(name)
             try:
-                self.check_format(manifest, str(path))
+                self.check_format(manifest, file)
                 self.outputs.update({output["key"]: int(output["bytes"]) for output in manifest["outputs"]})
                 self.stages.add(manifest["stage"])
             except (KeyError, TypeError, ValueError) as fault:
-                raise self.error(f"is no manifest ({fault!r})", file=str(path), do=self._redo()) from fault
+                raise self.error(f"is no manifest ({fault!r})", file=file, do=self._redo()) from fault
+
+    def _manifests(self, folder: str) -> list[str]:
+        try:
+            with self.place.talk():
+                return self.place.json_files(folder)
+        except OSError as fault:
+            raise self._unread(fault, self.place.where(folder)) from fault
+
+    def _manifest(self, name: str) -> Any:
+        file = self.place.where(name)
+        try:
+            with self.place.talk():
+                return json.loads(self.place.read(name))
+        except FileNotFoundError as fault:
+            with self.place.talk():
+                what, do = self.place.nothing()
+            raise self.error(what, file=file, do=do) from fault
+        except (OSError, ValueError) as fault:
+            raise self._unread(fault, file) from fault
 
     def error(self, what: str, *, do: str, file: str | None = None) -> StoreError:
         """A fault in this scene."""
@@ -122,23 +140,19 @@ class Files:
         scene = f" SCENES={self.scene}" if self.scene is not None else ""
         return f"`make verify` says what is damaged, `{stage}{scene if key else ''}` makes it again"
 
-    def _json(self, path: pathlib.Path) -> Any:
-        try:
-            return json.loads(path.read_bytes())
-        except FileNotFoundError as fault:
-            raise self.error(
-                "there is no finished plan here", file=str(path), do="give the folder that `make dataset` wrote"
-            ) from fault
-        except (OSError, ValueError) as fault:
-            raise self.error(f"cannot be read ({fault})", file=str(path), do=self._redo()) from fault
+    def _unread(self, fault: BaseException, file: str, key: str | None = None) -> StoreError:
+        """What is wrong with a file that cannot be read, or with the whole place."""
+        if (known := self.place.explain(fault)) is not None:
+            return self.error(known[0], file=file, do=known[1])
+        said = "No such file" if isinstance(fault, FileNotFoundError) else " ".join(str(fault).split())
+        return self.error(f"cannot be read ({said})", file=file, do=self._redo(key))
 
     def has(self, key: str) -> bool:
         """Whether a finished stage wrote a file."""
         return key in self.outputs
 
-    def path(self, key: str) -> pathlib.Path:
-        """Of a file that a finished stage wrote and that is still there as it was written, by its size."""
-        path = self.root / key
+    def source(self, key: str) -> Source:
+        """A file that a finished stage wrote and that is still there as it was written, by its size."""
         if key not in self.outputs:
             stage = stage_of(key)
             if stage in self.stages:
@@ -153,36 +167,43 @@ class Files:
                 do="`make dataset` makes what is missing, `make status` lists it",
             )
         try:
-            size = path.stat().st_size
+            source = self.place.source(key)
         except OSError as fault:
-            raise self.error(f"cannot be read ({fault.strerror})", file=key, do=self._redo(key)) from fault
-        if size != self.outputs[key]:
-            raise self.error(f"has {size} bytes, its manifest says {self.outputs[key]}", file=key, do=self._redo(key))
-        return path
+            raise self._unread(fault, key, key) from fault
+        if source.size != self.outputs[key]:
+            raise self.error(
+                f"has {source.size} bytes, its manifest says {self.outputs[key]}", file=key, do=self._redo(key)
+            )
+        return source
 
-    def read(self, key: str, read: Callable[[Any], T], open_file: Callable[[pathlib.Path], Any]) -> T:
+    def read(self, key: str, read: Callable[[Any], T], open_file: Callable[[Source], Any]) -> T:
         """Reads from a file by a handle that is kept."""
-        handles, where = _handles.fresh(), self.root / key
+        handles, where = _handles.fresh(), self.place.where(key)
         try:
             # What is open was looked at when it was opened.
-            file = handles.keep(handles.files, where, lambda: open_file(self.path(key)), OPEN_FILES)
-            return read(file)
+            with self.place.talk():
+                file = handles.keep(handles.files, where, lambda: open_file(self.source(key)), OPEN_FILES)
+                return read(file)
         except StoreError:
             raise
         except (OSError, ValueError, KeyError, IndexError, EOFError, pa.ArrowException, zipfile.BadZipFile) as fault:
             handles.files.pop(where, None)
-            raise self.error(f"cannot be read ({fault})", file=key, do=self._redo(key)) from fault
+            raise self._unread(fault, key, key) from fault
         except Exception as fault:  # zlib.error and its like have no common class.
             handles.files.pop(where, None)
             raise self.error(f"is damaged ({fault})", file=key, do=self._redo(key)) from fault
 
     def json(self, key: str) -> Any:
         """A JSON file."""
-        return self._json(self.path(key))
+        try:
+            with self.place.talk():
+                return json.loads(self.source(key).read())
+        except (OSError, ValueError) as fault:
+            raise self._unread(fault, key, key) from fault
 
     def parquet(self, key: str, read: Callable[[pq.ParquetFile], T]) -> T:
         """Reads from a table's file."""
-        return self.read(key, read, lambda path: pq.ParquetFile(path, pre_buffer=False))
+        return self.read(key, read, lambda source: source.table())
 
     def row(self, key: str, row_group: int, columns: Sequence[str] | None) -> pa.Table:
         """One row group."""
@@ -201,13 +222,13 @@ class Files:
                 if about is not None and about.has_min_max and not about.min <= frame <= about.max:
                     continue
                 load = functools.partial(file.read_row_group, group, columns=wanted, use_threads=False)
-                piece = handles.keep(handles.tables, (self.root / key, group, *wanted), load, TABLES)
+                piece = handles.keep(handles.tables, (where, group, *wanted), load, TABLES)
                 frames = piece["frame"].to_numpy()
                 begin, end = np.searchsorted(frames, [frame, frame + 1])
                 pieces.append(piece.slice(begin, end - begin))
             return pa.concat_tables(pieces) if pieces else file.schema_arrow.empty_table().select(wanted)
 
-        handles = _handles.fresh()
+        handles, where = _handles.fresh(), self.place.where(key)
         return self.parquet(key, read)
 
     def table(self, key: str, columns: Sequence[str] | None = None) -> pa.Table:
@@ -227,7 +248,7 @@ class Files:
             about: dict[str, Any] = json.loads(archive.comment or b"{}")
             return about
 
-        return self.read(key, read, zipfile.ZipFile)
+        return self.read(key, read, lambda source: source.archive())
 
     def member(self, key: str, frame: int) -> Array:
         """The array of a frame."""
@@ -236,4 +257,4 @@ class Files:
             array: Array = np.lib.format.read_array(io.BytesIO(archive.read(f"{frame:04d}.npy")), allow_pickle=False)
             return array
 
-        return self.read(key, read, zipfile.ZipFile)
+        return self.read(key, read, lambda source: source.archive())

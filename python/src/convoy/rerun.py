@@ -35,7 +35,8 @@ def show(scene: Scene, *, every: int = 2, save: str | None = None) -> None:
     """Opens Rerun's viewer on a scene (every n-th frame), or writes a recording. Of each agent points, radar, pictures and masks
     where they are there; merged boxes and the map's lines in the world, from a whole metre near the first agent."""
     rr = _rerun()
-    recording = rr.RecordingStream(f"convoy {scene.dataset.path.name} {scene.number:04d}")
+    name = scene.dataset.location.rpartition("/")[2]
+    recording = rr.RecordingStream(f"convoy {name} {scene.number:04d}")
     if save is None:
         recording.spawn()
     else:
@@ -146,7 +147,7 @@ def _by_height(z: Array) -> Array:
 def main() -> int:
     """`python -m convoy.rerun`."""
     parser = argparse.ArgumentParser(prog="python -m convoy.rerun", description="Shows a scene in Rerun.")
-    parser.add_argument("store", help="folder of the data set")
+    parser.add_argument("store", help="folder or URL of the data set")
     parser.add_argument("scene", type=int, help="number of the scene")
     parser.add_argument("--every", type=int, default=2, help="every n-th frame (2)")
     parser.add_argument("--save", metavar="FILE", help="write a recording (.rrd) instead of opening the viewer")

@@ -61,7 +61,7 @@ class Samples:
             raise StoreError(
                 f"there is no sample: split {split}, stages {', '.join(self.STAGES)}",
                 do="`make status` says which scenes are finished",
-                file=str(self.dataset.path),
+                file=self.dataset.location,
             )
 
     def __len__(self) -> int:
@@ -104,13 +104,15 @@ class Samples:
         raise NotImplementedError
 
     def _look(self, split: str | None, every: int, egos: str) -> Iterator[Key]:
-        for scene in self.dataset.scenes(split, self.STAGES):
+        def of_scene(scene: Scene) -> list[Key]:
             vehicles = [name for name in scene.agents if egos == "all" or not name.startswith("rsu")]
             if not vehicles:
-                continue
-            step = math.lcm(every, *self._rates(scene))
-            for ego in vehicles[:1] if egos == "first" else vehicles:
-                yield from ((scene.number, frame, ego) for frame in range(0, scene.frames, step))
+                return []
+            step, chosen = math.lcm(every, *self._rates(scene)), vehicles[:1] if egos == "first" else vehicles
+            return [(scene.number, frame, ego) for ego in chosen for frame in range(0, scene.frames, step)]
+
+        for keys in self.dataset._place.each(of_scene, self.dataset.scenes(split, self.STAGES)):
+            yield from keys
 
     def _rates(self, scene: Scene) -> Iterator[int]:
         yield scene.label_every_n_frames

@@ -79,7 +79,7 @@ class Keyframes(Dataset[Keyframe]):
             raise convoy.StoreError(
                 f"there is no keyframe: split {split}, stages {', '.join(STAGES)}",
                 do="`make status` says which scenes are finished",
-                file=str(dataset.path),
+                file=dataset.location,
             )
         self._kept: dict[int, Keyframe] = {}
 
