@@ -48,7 +48,7 @@ _ACCESS = {
 _REFUSED = re.compile(
     r"ACCESS_DENIED|INVALID_ACCESS_KEY_ID|INVALID_CLIENT_TOKEN_ID|SIGNATURE|EXPIRED|MISSING_AUTHENTICATION"
     r"|PERMISSION_DENIED|UNAUTHENTICATED|AuthenticationFailed|AuthorizationFailure|AuthorizationPermissionMismatch"
-    r"|HTTP status 40[13]\b|credential|authenticat",
+    r"|HTTP status 40[13]\b|credential|authenticate|authentication",
     re.IGNORECASE,
 )
 _ELSEWHERE = re.compile(r"HTTP status 30[1278]\b|PERMANENT_REDIRECT|AuthorizationHeaderMalformed")
