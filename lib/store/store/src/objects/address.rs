@@ -269,7 +269,7 @@ mod tests {
     #[test]
     fn keys_in_urls_are_not_repeated() {
         let refused = open("s3", "AKIAEXAMPLE:secret@set/a").expect("is a bucket");
-        let text = refused.err().expect("is refused").to_string();
+        let text = refused.expect_err("is refused").to_string();
         assert!(text.contains("s3://set/a") && !text.contains("secret") && !text.contains("AKIA"), "{text}");
     }
 }
