@@ -334,14 +334,14 @@ fn a_store_of_an_unknown_kind_says_what_is_known() {
     let bench = Bench::new(TINY);
     for (name, args) in [("spawn-planner", &[][..]), ("convoy", &["verify"]), ("convoy", &["status"])] {
         let mut command = std::process::Command::new(program(name));
-        command.args(args).args(["--store", "s3://bucket/set"]);
+        command.args(args).args(["--store", "ftp://server/set"]);
         if args != ["verify"] {
             command.arg("--config").arg(bench.config());
         }
         let output = command.output().expect("starts");
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{name} {args:?}: {text}");
-        assert!(text.contains("no store of kind `s3`") && text.contains("file:///FOLDER"), "{text}");
+        assert!(text.contains("no store of kind `ftp`") && text.contains("file:///FOLDER"), "{text}");
     }
     let url = format!("file://{}", bench.store().display());
     let mut planner = std::process::Command::new(program("spawn-planner"));
