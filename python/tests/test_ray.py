@@ -92,7 +92,9 @@ class Policy(unittest.TestCase):
 
 class Words(unittest.TestCase):
     def test_calls_are_those_of_the_manual(self):
-        options = asked("--config", "/home/rain.toml", "--maps", "/maps", "--tasks", "40", "--cpus", "16")
+        options = asked(
+            "--config", "/home/rain.toml", "--maps", "/maps", "--tasks", "40", "--cpus", "16", "--program", "convoy"
+        )  # fmt: skip
         calls = [driver.plan_call(options), *driver.share_calls(options, 3), driver.join_call(options)]
         self.assertEqual(
             [" ".join(call.words) for call in calls],

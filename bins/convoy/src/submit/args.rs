@@ -38,10 +38,10 @@ pub(crate) struct SubmitArgs {
     /// it after commas (`render-sensors=gpu,--gres=gpu:1`), for Ray a resource of nodes.
     #[arg(long, value_name = "STAGE=PLACE[,OPTION]")]
     pub(super) split: Vec<Split>,
-    /// Slurm, Kubernetes: tasks that may run at once (default: all).
+    /// Slurm, Kubernetes: tasks that may run at once (default: all); `--parallelism` is the same.
     #[arg(
         long,
-        visible_alias = "parallelism",
+        alias = "parallelism",
         value_name = "N",
         value_parser = clap::value_parser!(u32).range(1..)
     )]
