@@ -21,7 +21,9 @@ VARIABLES = {
 def variables(**changes):
     """The environment without what it may know of clouds, and with these; until it is stopped."""
     kept = {k: v for k, v in os.environ.items() if not k.startswith(("AWS_", "AZURE_", "GOOGLE_", "STORAGE_"))}
-    return mock.patch.dict(os.environ, kept | changes, clear=True)
+    # Profiles of whoever runs the tests would say where Amazon is.
+    none = {"AWS_CONFIG_FILE": "/no/such", "AWS_SHARED_CREDENTIALS_FILE": "/no/such"}
+    return mock.patch.dict(os.environ, kept | none | changes, clear=True)
 
 
 class Server:

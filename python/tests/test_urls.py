@@ -245,8 +245,10 @@ class Buckets(unittest.TestCase):
             )
             around = {name: value for name, value in os.environ.items() if not name.startswith("AWS_")}
             around |= {"AWS_PROFILE": "other", "AWS_SHARED_CREDENTIALS_FILE": f"{folder}/keys"}
-            around |= {"AWS_CONFIG_FILE": f"{folder}/none", "AWS_ENDPOINT_URL_S3": self.server.url}
-            around |= {"AWS_ENDPOINT_URL": "http://127.0.0.1:9", "AWS_EC2_METADATA_DISABLED": "true"}
+            Path(folder, "config").write_text(
+                f"[default]\nendpoint_url = http://127.0.0.1:9\n[profile other]\nendpoint_url = {self.server.url}\n"
+            )
+            around |= {"AWS_CONFIG_FILE": f"{folder}/config", "AWS_EC2_METADATA_DISABLED": "true"}
             around |= {"PYTHONPATH": str(Path(convoy.__file__).parents[1])}
             code = f"import convoy; print(convoy.Dataset({self.url!r}).splits)"
             # In another process, as Amazon's library reads the files once.
@@ -326,6 +328,8 @@ class Urls(unittest.TestCase):
             f"s3://{SECRET}:{SECRET}@bucket/set": "takes no credentials",
             f"gs://{SECRET}@bucket": "takes no credentials",
             f"az://box/set?sig={SECRET}": "takes no options",
+            "s3://bucket/a//b": "has no such parts",
+            "gs://bucket/../b": "has no such parts",
             "s3://": "a s3:// URL names no bucket; give s3://BUCKET/PREFIX",
             "s3:///set": "names no bucket",
             "az:///set": "names no container; give az://CONTAINER/PREFIX",
@@ -350,7 +354,8 @@ class Urls(unittest.TestCase):
     def test_what_is_wrong_with_the_environment(self):
         self.assertIn("only one of", self.said("s3://bucket/set", AWS_SECRET_ACCESS_KEY=SECRET))
         self.assertIn(
-            "AWS_ENDPOINT_URL is no address", self.said("s3://bucket/set", AWS_ENDPOINT_URL=f"http://me:{SECRET}@host")
+            "AWS_ENDPOINT_URL, or that of the profile, is no address",
+            self.said("s3://bucket/set", AWS_ENDPOINT_URL=f"http://me:{SECRET}@host"),
         )
         self.assertRegex(self.said("az://box/set"), "set AZURE_STORAGE_ACCOUNT_NAME|knows no az://")
         try:
@@ -372,6 +377,9 @@ class Urls(unittest.TestCase):
             with mock.patch.dict(os.environ, AWS_ENDPOINT_URL=given[0], AWS_ALLOW_HTTP=given[1]):
                 self.assertEqual(clouds._s3_endpoint(), wanted)
         self.assertIsNone(clouds._s3_endpoint())
+        both = {"AWS_ENDPOINT_URL": "http://one", "AWS_ENDPOINT_URL_S3": "http://other"}
+        with mock.patch.dict(os.environ, both):
+            self.assertEqual(clouds._s3_endpoint(), ("http", "other"))
 
 
 if __name__ == "__main__":

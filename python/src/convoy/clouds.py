@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import configparser
 import datetime
 import os
 import re
@@ -26,6 +27,8 @@ _VARIABLES = {
         "AWS_SESSION_TOKEN",
         "AWS_PROFILE",
         "AWS_SHARED_CREDENTIALS_FILE",
+        "AWS_CONFIG_FILE",
+        "AWS_SKIP_SIGNATURE",
         "AWS_REGION",
         "AWS_DEFAULT_REGION",
         "AWS_ENDPOINT_URL_S3",
@@ -177,9 +180,20 @@ def _known(scheme: str, name: str) -> Any:
         ) from None
 
 
+def _profile(key: str) -> str | None:
+    """What the profile says that AWS_PROFILE names, or `default`: pyarrow takes keys alone from it."""
+    files = {"AWS_SHARED_CREDENTIALS_FILE": "~/.aws/credentials", "AWS_CONFIG_FILE": "~/.aws/config"}
+    name, said = os.environ.get("AWS_PROFILE") or "default", configparser.RawConfigParser(strict=False)
+    try:
+        said.read([os.path.expanduser(os.environ.get(variable) or file) for variable, file in files.items()])
+    except (configparser.Error, UnicodeDecodeError):
+        return None  # Whoever needs the file for its keys complains of it.
+    return next((said[part].get(key) for part in (name, f"profile {name}") if said.has_option(part, key)), None)
+
+
 def _s3_endpoint() -> tuple[str, str] | None:
     """Scheme and address, if it is not Amazon's own."""
-    given = os.environ.get("AWS_ENDPOINT_URL_S3") or os.environ.get("AWS_ENDPOINT_URL")
+    given = os.environ.get("AWS_ENDPOINT_URL_S3") or os.environ.get("AWS_ENDPOINT_URL") or _profile("endpoint_url")
     if not given:
         return None
     scheme, found, address = given.strip().partition("://")
@@ -188,7 +202,8 @@ def _s3_endpoint() -> tuple[str, str] | None:
     address = address.rstrip("/")
     if scheme not in ("http", "https") or not address or "@" in address or "?" in address:
         raise StoreError(
-            "AWS_ENDPOINT_URL is no address", do="give http://HOST:PORT or https://HOST, without credentials"
+            "AWS_ENDPOINT_URL, or that of the profile, is no address",
+            do="give http://HOST:PORT or https://HOST, without credentials",
         )
     return scheme, address
 
@@ -208,8 +223,10 @@ def _s3() -> Any:
     endpoint = _s3_endpoint()
     if endpoint is not None:
         options |= {"scheme": endpoint[0], "endpoint_override": endpoint[1]}
-    region = os.environ.get("AWS_REGION") or os.environ.get("AWS_DEFAULT_REGION")
-    if region or (endpoint is not None and not os.environ.get("AWS_PROFILE")):
+    if _is_true("AWS_SKIP_SIGNATURE"):
+        options["anonymous"] = True
+    region = os.environ.get("AWS_REGION") or os.environ.get("AWS_DEFAULT_REGION") or _profile("region")
+    if region or endpoint is not None:
         # Servers that are not Amazon's take any; without one the library would ask the machine it runs on.
         options["region"] = region or "us-east-1"
     return make(**options)

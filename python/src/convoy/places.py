@@ -245,14 +245,19 @@ def place_of(store: str | os.PathLike[str]) -> Place:
     bucket, _, prefix = rest.partition("/")
     if "@" in bucket or ":" in bucket:
         raise StoreError(f"a {scheme}:// URL takes no credentials", do="give them by variables: docs/python.md")
-    if "?" in rest:
-        raise StoreError(f"a {scheme}:// URL takes no options after ?", do="give them by variables: docs/python.md")
+    if "?" in rest or "#" in rest:
+        raise StoreError(
+            f"a {scheme}:// URL takes no options after ? or #", do="give them by variables: docs/python.md"
+        )
     word = "container" if scheme == "az" else "bucket"
     if not bucket:
         raise StoreError(f"a {scheme}:// URL names no {word}", do=f"give {scheme}://{word.upper()}/PREFIX")
     if not re.fullmatch(r"[A-Za-z0-9._$-]+", bucket):
         raise StoreError(f"a {word} has no such name as {bucket!r}", do=f"give {scheme}://{word.upper()}/PREFIX")
-    return Bucket(scheme, bucket, "/".join(part for part in prefix.split("/") if part))
+    prefix = prefix.rstrip("/")
+    if prefix and {"", ".", ".."} & set(prefix.split("/")):
+        raise StoreError(f"a prefix has no such parts as {prefix!r} has", do="leave out what is empty, . or ..")
+    return Bucket(scheme, bucket, prefix)
 
 
 def _listed() -> str:
