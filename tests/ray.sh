@@ -16,7 +16,8 @@ mkdir "$work/log"
 unset RAY_ADDRESS CONVOY_PROGRAM
 export RAY_USAGE_STATS_ENABLED=0 PYTHONPATH=$here/../python/src PYTHONDONTWRITEBYTECODE=1 SLURM_ARRAY_TASK_ID=99
 # Ray makes an outer address of 127.0.0.1, and leaves other ones as they are.
-head=127.0.0.2:6399
+free_port() { "$python" -c 'import socket; s = socket.socket(); s.bind(("127.0.0.2", 0)); print(s.getsockname()[1])'; }
+head=127.0.0.2:$(free_port)
 
 # A process and all that it started.
 tree() {
@@ -46,7 +47,8 @@ start() {
     "$python" -m ray.scripts.scripts start --num-cpus=1 --object-store-memory=100000000 "$@" >>"$work/log/ray" 2>&1 \
         || { cat "$work/log/ray"; echo "error: Ray does not start"; exit 1; }
 }
-start --head --node-ip-address="${head%:*}" --port="${head#*:}" --include-dashboard=false --temp-dir="$work/ray"
+start --head --node-ip-address="${head%:*}" --port="${head#*:}" --ray-client-server-port="$(free_port)" \
+    --include-dashboard=false --temp-dir="$work/ray"
 start --address="$head" --node-ip-address=127.0.0.3
 configure
 make_dataset() {
@@ -56,7 +58,7 @@ make_dataset() {
 # Whoever is interrupted lets the tasks end at a frame.
 make_dataset --config "$work/set.toml" --tasks 6 >"$work/log/first" 2>&1 &
 driver=$!
-wait_for_scenes 2
+wait_for_scenes 2 "$driver" || { cat "$work/log/first"; exit 1; }
 kill -TERM "$driver"
 code=0
 wait "$driver" || code=$?
@@ -68,14 +70,16 @@ echo "after the interrupt status tells $(count) states that are done"
 # A third of the scenes, then a node goes: its daemon, and all that it started.
 make_dataset --config "$work/set.toml" --tasks 6 >"$work/log/second" 2>&1 &
 driver=$!
-wait_for_scenes $((scenes / 3))
+wait_for_scenes $((scenes / 3)) "$driver" || { cat "$work/log/second"; exit 1; }
 lost=$(pgrep -f "$work/ray/.*--node_ip_address=127.0.0.3")
 # The daemon goes first, and tells nobody of the end of its tasks.
 lost=$(for process in $lost; do tree "$process"; done | tac)
 # shellcheck disable=SC2086
 kill -9 $lost 2>/dev/null || true
 echo "after the loss status tells $(count) states that are done"
-wait "$driver" || { cat "$work/log/second"; echo "error: the run ended with $?"; exit 1; }
+code=0
+wait "$driver" || code=$?
+[[ $code == 0 ]] || { cat "$work/log/second"; echo "error: the run ended with $code"; exit 1; }
 grep -v state-dump "$work/log/second"
 grep -q "again in" "$work/log/second" || { echo "error: no task was lost"; exit 1; }
 
