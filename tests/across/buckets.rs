@@ -2,6 +2,7 @@
 //! was.
 
 use std::collections::BTreeMap;
+use std::os::unix::ffi::OsStrExt;
 use std::process::Command;
 
 use convoy_tests::{Bench, LEAN, Outcome, TINY, program};
@@ -13,7 +14,7 @@ const FOLDER: &str = "sets/one";
 /// A program that uses a server's bucket, and finds no other credentials on this machine.
 fn command(server: &BucketServer, bench: &Bench, words: &[&str]) -> Command {
     let mut command = Command::new(program("convoy"));
-    for (name, _) in std::env::vars().filter(|(name, _)| name.starts_with("AWS_")) {
+    for (name, _) in std::env::vars_os().filter(|(name, _)| name.as_bytes().starts_with(b"AWS_")) {
         command.env_remove(name);
     }
     command.args(words).envs(server.environment()).env("HOME", bench.folder.path());
@@ -50,7 +51,9 @@ fn a_dataset_in_a_bucket_has_the_bytes_of_the_disk() {
     assert_eq!(server.uploads(), 0);
     let status = convoy(&server, &bench, &["status", "--store", URL]);
     assert!(status.code == 0 && status.stdout.contains("render-sensors"), "{status:?}");
-    convoy(&server, &bench, &["verify", "--store", URL]).expect_done();
+    let verified = convoy(&server, &bench, &["verify", "--store", URL]);
+    verified.expect_done();
+    assert!(verified.stdout.contains("let a rule of the bucket end it"), "{}", verified.stdout);
 
     // With nothing to do it looks and goes.
     drop(server.requests());
@@ -137,7 +140,13 @@ fn a_bucket_that_cannot_be_had_is_told_in_a_line() {
         let text = text.replace(&bench.folder.path().display().to_string(), "HOME");
         said.push_str(&format!("# {what}: {}\n{}", outcome.code, text));
     };
-    for url in ["s3://", "s3://AKIAEXAMPLE:secret@sets/one", "gcs://sets/one", "s3://sets/../one"] {
+    for url in [
+        "s3://",
+        "s3://AKIAEXAMPLE:secret@sets/one",
+        "s3://AKIAEXAMPLE:secret/one",
+        "gcs://sets/one",
+        "s3://sets/../one",
+    ] {
         tell(url, &convoy(&server, &bench, &["verify", "--store", url]));
     }
     let verify = || command(&server, &bench, &["verify", "--store", URL]);
@@ -152,6 +161,8 @@ fn a_bucket_that_cannot_be_had_is_told_in_a_line() {
     let mut without = verify();
     unset(&mut without);
     of("no credentials", &mut without);
+    // Whatever others keep in the environment.
+    without.env("AWS_OF_OTHERS", std::ffi::OsStr::from_bytes(b"\xff"));
     of("no such profile", without.env("AWS_PROFILE", "lab"));
     of("nobody there", verify().env("AWS_ENDPOINT_URL", "http://127.0.0.1:1").env("CONVOY_RETRY_S", "1"));
     for (what, status) in [("no rights", 403), ("no such bucket", 404), ("out of order", 500)] {

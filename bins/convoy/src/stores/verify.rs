@@ -42,9 +42,10 @@ pub(crate) fn verify(store: &Path) -> u8 {
                 unmade.push((scope, stage.name));
             }
         }
-        Ok((store::verify(&store, &expected, |_| {})?, unmade))
+        let result = store::verify(&store, &expected, |_| {})?;
+        Ok((result, unmade, store.backend().lists_unfinished()))
     });
-    let (result, unmade) = match verified.map_err(StageError::from) {
+    let (result, unmade, lists_unfinished) = match verified.map_err(StageError::from) {
         Ok(result) => result,
         Err(e) => {
             tracing::error!("{}", e.report());
@@ -61,6 +62,9 @@ pub(crate) fn verify(store: &Path) -> u8 {
     });
     for note in in_hand.chain(unfinished) {
         say(&format!("note: {note}"));
+    }
+    if !lists_unfinished {
+        say("note: what killed runs began to upload cannot be listed here; let a rule of the bucket end it");
     }
     for (scope, stage) in unmade {
         let key = scope.manifest(stage);

@@ -29,8 +29,7 @@ pub(crate) fn open(place: &OsStr) -> Result<Arc<dyn Backend>, StoreError> {
         Some((scheme, rest)) => match objects::open(scheme, rest) {
             Some(bucket) => Ok(Arc::new(bucket?)),
             None => Err(StoreError::Place {
-                // What may be a key is not repeated.
-                place: format!("{scheme}://{}", rest.rsplit_once('@').map_or(rest, |(_, after)| after)),
+                place: objects::without_secrets(scheme, rest),
                 problem: format!("there is no store of kind `{scheme}`"),
             }),
         },

@@ -14,7 +14,7 @@ const PROBE: &str = "probe-";
 /// [`StoreError::Unfit`] names what failed; or the place cannot be read or written at all.
 pub fn probe(store: &Store) -> Result<(), StoreError> {
     let backend = store.backend();
-    let key = format!("{}/{PROBE}{}.json", keys::LOCKS, tag());
+    let key = format!("{}/{PROBE}{}", keys::LOCKS, tag());
     let unfit = |problem: &str| StoreError::Unfit { path: store.location(""), problem: problem.to_owned() };
     let (first, second) = (*b"of two that put one object", *b"one succeeds");
     let tried = (|| {

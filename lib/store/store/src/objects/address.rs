@@ -56,13 +56,22 @@ impl Address {
     }
 }
 
+/// A URL for messages, without what may be a key: users, what follows `?`, a bucket with `:`.
+pub(crate) fn without_secrets(scheme: &str, rest: &str) -> String {
+    let rest = rest.split(['?', '#']).next().unwrap_or_default();
+    let rest = rest.rsplit_once('@').map_or(rest, |(_, after)| after);
+    match rest.split_once('/').unwrap_or((rest, "")) {
+        (bucket, folder) if bucket.contains(':') => format!("{scheme}://.../{folder}"),
+        _ => format!("{scheme}://{rest}"),
+    }
+}
+
 /// The bucket that a URL names, or `None` for a URL of another kind.
 ///
 /// # Errors
 /// [`StoreError::Place`] for a URL that names none, [`StoreError::Refused`] without credentials.
 pub(crate) fn open(scheme: &str, rest: &str) -> Option<Result<Objects, StoreError>> {
-    // What may be a key is not repeated.
-    let shown = format!("{scheme}://{}", rest.rsplit_once('@').map_or(rest, |(_, after)| after));
+    let shown = without_secrets(scheme, rest);
     let place = |problem: &str| StoreError::Place { place: shown.clone(), problem: problem.to_owned() };
     let address = match Address::parse(scheme, rest)? {
         Ok(address) => address,
@@ -147,8 +156,10 @@ fn s3(bucket: &str) -> Result<Opened, Unready> {
     let mut looked_at = variables(&["AWS_"]);
     let mut builder = AmazonS3Builder::new().with_client_options(client());
     let mut given = Vec::new();
-    for (name, value) in std::env::vars() {
-        if name.starts_with("AWS_")
+    // Others' variables may be no UTF-8.
+    for (name, value) in std::env::vars_os() {
+        if let (Some(name), Some(value)) = (name.to_str(), value.to_str())
+            && name.starts_with("AWS_")
             && let Ok(key) = name.to_ascii_lowercase().parse::<AmazonS3ConfigKey>()
         {
             given.push(key);
@@ -268,8 +279,17 @@ mod tests {
 
     #[test]
     fn keys_in_urls_are_not_repeated() {
-        let refused = open("s3", "AKIAEXAMPLE:secret@set/a").expect("is a bucket");
-        let text = refused.expect_err("is refused").to_string();
-        assert!(text.contains("s3://set/a") && !text.contains("secret") && !text.contains("AKIA"), "{text}");
+        for (rest, shown) in [
+            ("AKIAEXAMPLE:secret@set/a", "`s3://set/a`"),
+            ("AKIAEXAMPLE:se/cret@set/a", "`s3://set/a`"),
+            ("AKIAEXAMPLE:secret/a", "`s3://.../a`"),
+            ("AKIAEXAMPLE:se?cret@set/a", "`s3://.../`"),
+            ("set/a?X-Amz-Credential=AKIAEXAMPLE&X-Amz-Signature=secret", "`s3://set/a`"),
+        ] {
+            let refused = open("s3", rest).expect("is a bucket");
+            let text = refused.expect_err("is refused").to_string();
+            let tells = ["se?", "secret", "cret@", "AKIA"].iter().any(|secret| text.contains(secret));
+            assert!(text.contains(shown) && !tells, "{text}");
+        }
     }
 }

@@ -12,5 +12,5 @@ mod ranges;
 mod runtime;
 mod upload;
 
-pub(crate) use address::open;
+pub(crate) use address::{open, without_secrets};
 pub use bucket::Objects;

@@ -16,6 +16,8 @@ use crate::backend::Shard;
 const TAIL: u64 = 64 << 10;
 /// The least that is fetched at once, bytes, and the most that is fetched ahead of what was asked for.
 const AHEAD: Range<u64> = 64 << 10..1 << 20;
+/// Streams fill buffers beyond what they were asked for, bytes: a hint's last request would go by itself.
+const BUFFERED: u64 = 16 << 10;
 /// The most that a hint fetches.
 const LARGEST_HINT: u64 = 32 << 20;
 /// Blocks that are kept besides the end: what is being read, and what comes next.
@@ -181,7 +183,7 @@ impl Shard for Ranges {
     }
 
     fn will_read(&self, range: Range<u64>) {
-        let range = range.start..range.end.min(self.bytes);
+        let range = range.start..range.end.saturating_add(BUFFERED).min(self.bytes);
         if range.is_empty() || range.start >= self.tail.0 || range.end - range.start > LARGEST_HINT {
             return;
         }
