@@ -207,8 +207,8 @@ fn a_frame_is_a_request_or_two() {
     let read: Vec<LidarRow> = rows.flat_map(|group| group.expect("reads")).collect();
     assert!(read.len() == 12 && read[7] == frame(7));
     let gets = service.gets.load(Ordering::Relaxed);
-    // A stream reads on for some kilobytes: now and then beyond what was fetched for a frame.
-    assert!((10..=20).contains(&gets), "{gets} for 12 frames");
+    // The index, and a request a frame; a stream may now and then read beyond what was fetched for one.
+    assert!((12..=16).contains(&gets), "{gets} for 12 frames");
 }
 
 #[test]
