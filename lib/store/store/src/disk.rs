@@ -13,10 +13,10 @@ use walkdir::{DirEntry, WalkDir};
 
 use crate::backend::{Area, Backend, LARGEST_READ, Listed, Listing, Shard, Sink, Unfinished};
 use crate::error::StoreError;
-use crate::process::{host, is_running};
+use crate::process::{is_running, marked_host};
 
 const UNFINISHED: &str = ".tmp";
-/// What another host left unfinished is believed dead after this long without a write.
+/// What another machine (or this one, before it was started anew) left unfinished is believed dead after this long without a write.
 const FOREIGN_DEAD: Duration = Duration::from_secs(24 * 3600);
 
 /// How often a folder is made anew that others remove as often.
@@ -36,7 +36,7 @@ impl Disk {
     pub fn new(root: &Path) -> Self {
         // The attempt's name only has to differ from other processes'; it never reaches a committed byte.
         let nanos = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_nanos());
-        let attempt = format!("{}~{}~{nanos:x}", host(), std::process::id());
+        let attempt = format!("{}~{}~{nanos:x}", marked_host(), std::process::id());
         Self { root: root.to_owned(), attempt, next: AtomicU64::new(0) }
     }
 
@@ -335,7 +335,7 @@ impl Disk {
     }
 }
 
-/// The name of an unfinished file: `.owner~name~host~pid~time-number.tmp`.
+/// The name of an unfinished file: `.owner~name~host+mark~pid~time-number.tmp`.
 struct UnfinishedName {
     owner: String,
     host: String,
@@ -353,7 +353,7 @@ impl UnfinishedName {
     /// Whether the process that was writing it is gone. Another process at work on the same shard is let be:
     /// both write the same bytes, and the later rename wins.
     fn is_abandoned(&self, path: &Path) -> bool {
-        if self.host == host() {
+        if self.host == marked_host() {
             return self.pid == std::process::id() || !is_running(self.pid);
         }
         let age = fs::metadata(path).and_then(|m| m.modified()).map(|t| t.elapsed().unwrap_or_default());

@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use crate::hash_bytes;
+
 /// Name of this machine, without what separates the parts of names of files.
 pub(crate) fn host() -> String {
     let name = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
@@ -14,6 +16,13 @@ pub(crate) fn machine() -> Option<String> {
     let boot = fs::read_to_string("/proc/sys/kernel/random/boot_id").ok()?;
     let namespace = fs::read_link("/proc/self/ns/pid").ok()?;
     Some(format!("{} {}", boot.trim(), namespace.display()))
+}
+
+/// This machine in names of files: its own name, with a mark of what numbers of processes are unique in. So
+/// containers that share a name do not take each other's processes for dead.
+pub(crate) fn marked_host() -> String {
+    let mark: String = hash_bytes(machine().unwrap_or_default().as_bytes()).chars().take(8).collect();
+    format!("{}+{mark}", host())
 }
 
 /// Whether a process of this machine still does anything. Where `/proc` does not tell, it counts as gone.
