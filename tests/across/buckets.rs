@@ -2,8 +2,10 @@
 //! was.
 
 use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
 use std::os::unix::ffi::OsStrExt;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use convoy_tests::{Bench, LEAN, Outcome, TINY, program};
 use testkit::bucket::{BucketServer, Wrong};
@@ -68,6 +70,53 @@ fn a_dataset_in_a_bucket_has_the_bytes_of_the_disk() {
     convoy(&server, &bench, &["merge", "--scenes", "0", "--store", &place, URL]).expect_done();
     copy.run("convoy", &["run", "--progress", "none"]).expect_done();
     assert_eq!(copy.digests(), bench.digests());
+}
+
+/// An answer of the viewer's server: its head and body.
+fn ask(address: &str, target: &str, headers: &str) -> (String, Vec<u8>) {
+    let host = address.trim_start_matches("http://").trim_end_matches('/');
+    let mut stream = TcpStream::connect(host).expect("it listens");
+    let request = format!("GET {target} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n{headers}\r\n");
+    stream.write_all(request.as_bytes()).expect("is sent");
+    let mut answer = Vec::new();
+    stream.read_to_end(&mut answer).expect("it answers");
+    let end = answer.windows(4).position(|four| four == b"\r\n\r\n").expect("the head ends");
+    (String::from_utf8_lossy(&answer[..end]).into_owned(), answer.split_off(end + 4))
+}
+
+#[test]
+fn a_store_in_a_bucket_is_shown_as_one_on_a_disk() {
+    let (bench, server) = (on_disk(LEAN), BucketServer::start());
+    let place = bench.store().display().to_string();
+    convoy(&server, &bench, &["merge", "--store", URL, &place]).expect_done();
+    // Excerpts hold what the page would fetch.
+    let excerpt = |store: &str, name: &str| {
+        let file = bench.folder.path().join(name);
+        let words =
+            ["view", store, "--embed", file.to_str().expect("is UTF-8"), "--scene", "0", "--frames", "3..8"];
+        convoy(&server, &bench, &words).expect_done();
+        std::fs::read(file).expect("is written")
+    };
+    assert!(excerpt(URL, "bucket.html") == excerpt(&place, "disk.html"));
+
+    let mut view = command(&server, &bench, &["view", URL, "--no-open"]);
+    let mut view = view.stdout(Stdio::piped()).spawn().expect("it starts");
+    let mut line = String::new();
+    BufReader::new(view.stdout.take().expect("is piped")).read_line(&mut line).expect("it says where it is");
+    let address = line.split_whitespace().find(|word| word.starts_with("http://")).expect("names an address");
+    let (_, index) = ask(address, "/api/store.json", "");
+    let index: serde_json::Value = serde_json::from_slice(&index).expect("is JSON");
+    assert_eq!(index["scenes"][0]["missing"], serde_json::json!([]), "{index}");
+    let key = "scenes/0000/sensors/vehicle_0/LIDAR.parquet";
+    let bytes = std::fs::read(bench.store().join(key)).expect("is read");
+    let (head, part) = ask(address, &format!("/store/{key}"), "Range: bytes=100-299\r\n");
+    assert!(head.starts_with("HTTP/1.1 206") && part == bytes[100..300], "{head}");
+    assert!(ask(address, &format!("/store/{key}"), "").1 == bytes);
+    for nothing in ["/store/scenes/none.parquet", "/store/../other/dataset.json"] {
+        assert!(ask(address, nothing, "").0.starts_with("HTTP/1.1 404"), "{nothing}");
+    }
+    view.kill().expect("is ended");
+    view.wait().expect("ends");
 }
 
 #[test]

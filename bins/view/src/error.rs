@@ -1,25 +1,22 @@
 //! Why something cannot be shown.
 
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use arrow_schema::ArrowError;
 use parquet::errors::ParquetError;
-use schema::FORMAT_VERSION;
 
 /// Why a store, a part of it or an excerpt cannot be shown.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ViewError {
     #[error("{0} is no store: it has no dataset.json (make dataset STORE=... makes one)")]
     NoDataset(PathBuf),
-    #[error(
-        "{0}: store format {1}, this program shows {FORMAT_VERSION} (use the Convoy that made the store)"
-    )]
-    Format(PathBuf, u64),
     #[error("port {0}: {1}")]
     Port(u16, io::Error),
+    #[error(transparent)]
+    Store(#[from] store::StoreError),
     #[error("{0}: {1}")]
-    File(PathBuf, Unreadable),
+    File(String, Unreadable),
     #[error("there is nothing here")]
     NoPage,
     #[error("there is no such scene")]
@@ -63,7 +60,7 @@ pub(crate) enum Unreadable {
     Type(&'static str),
 }
 
-/// For `map_err`: says which file it was.
-pub(crate) fn of_file<E: Into<Unreadable>>(path: &Path) -> impl Fn(E) -> ViewError + Copy {
-    move |why| ViewError::File(path.to_owned(), why.into())
+/// For `map_err`: says which file or object it was.
+pub(crate) fn of_place<E: Into<Unreadable>>(place: &str) -> impl Fn(E) -> ViewError + Copy {
+    move |why| ViewError::File(place.to_owned(), why.into())
 }

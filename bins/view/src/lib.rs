@@ -8,6 +8,7 @@ mod embed;
 mod error;
 mod http;
 mod listing;
+mod object;
 mod open;
 mod page;
 mod paths;
@@ -20,17 +21,17 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use embed::Excerpt;
-use error::{ViewError, of_file};
+use error::{ViewError, of_place};
 use server::Server;
 use site::Site;
 
-/// Exit codes: done, something could not be read or written, no such store or arguments.
-const CODES: [u8; 3] = [0, 1, 2];
+/// Exit codes: done, something could not be read or written, no such store or arguments, a place that is away.
+const CODES: [u8; 4] = [0, 1, 2, 75];
 
 /// What to show, and how.
 #[derive(Debug, Args)]
 pub struct ViewArgs {
-    /// The store: a folder.
+    /// The store: a folder, or s3://, az://, gs://.
     #[arg(value_name = "STORE")]
     store: PathBuf,
     /// The port; a free one by default.
@@ -64,7 +65,8 @@ pub fn run(args: &ViewArgs) -> u8 {
         Ok(site) => site,
         Err(fault) => {
             complain(&fault);
-            return CODES[2];
+            let is_away = matches!(&fault, ViewError::Store(error) if error.is_transient());
+            return CODES[if is_away { 3 } else { 2 }];
         }
     };
     let outcome = match &args.embed {
@@ -99,7 +101,7 @@ fn write_excerpt(args: &ViewArgs, site: &Site, file: &Path) -> Result<(), ViewEr
         cameras: args.cameras.clone(),
     };
     let page = excerpt.page(site)?;
-    std::fs::write(file, &page.html).map_err(of_file(file))?;
+    std::fs::write(file, &page.html).map_err(of_place(&file.display().to_string()))?;
     say(&format!("{}: {}, {:.1} MB", file.display(), page.what, page.html.len() as f64 / 1e6));
     Ok(())
 }

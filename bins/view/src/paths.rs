@@ -1,24 +1,21 @@
-//! Which file a request may read: one below the store, and nothing else.
+//! Which object a request may read: one of the store, and nothing else.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// The regular file at a path of a URL (below `/store/`, still percent-encoded), if it lies below the root
-/// after all links are followed.
+/// The key that a path of a URL means (below `/store/`, still percent-encoded), if it can be one of a store.
+pub(crate) fn key_of(encoded: &str) -> Option<String> {
+    let key = decode(encoded)?;
+    key.split('/').all(is_plain).then_some(key)
+}
+
+/// Whether a key of a store in a folder is a regular file below it, after all links are followed.
 ///
 /// `root` must be canonical.
-pub(crate) fn file_below(root: &Path, encoded: &str) -> Option<PathBuf> {
-    let decoded = decode(encoded)?;
-    let mut path = root.to_path_buf();
-    for name in decoded.split('/') {
-        if !is_plain(name) {
-            return None;
-        }
-        path.push(name);
-    }
-    let real = fs::canonicalize(path).ok()?;
+pub(crate) fn lies_below(root: &Path, key: &str) -> bool {
     // Asked before anything is opened: opening a pipe would wait for its other end.
-    (real.starts_with(root) && fs::metadata(&real).ok()?.is_file()).then_some(real)
+    fs::canonicalize(root.join(key))
+        .is_ok_and(|real| real.starts_with(root) && fs::metadata(&real).is_ok_and(|about| about.is_file()))
 }
 
 /// Whether a name is that of one entry of a folder, on any system: no way up, no drive, no hidden file
@@ -48,7 +45,14 @@ fn decode(encoded: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::PathBuf;
+
     use super::*;
+
+    /// The file that a path of a URL means.
+    fn file_below(root: &Path, encoded: &str) -> Option<PathBuf> {
+        key_of(encoded).filter(|key| lies_below(root, key)).map(|key| root.join(key))
+    }
 
     fn folder() -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().expect("a temporary folder");

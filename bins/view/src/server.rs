@@ -4,7 +4,7 @@
 //! what small servers of others bring beyond (uploads, chunked bodies, TLS, pools) would be surface without
 //! use.
 
-use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -18,7 +18,7 @@ use crate::site::{Content, Site};
 const MAX_CONNECTIONS: usize = 64;
 /// Connections on which nothing happens are closed after this.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// Files pass through memory in pieces of this size, bytes.
+/// Objects pass through memory in pieces of this size, bytes.
 const PIECE: usize = 64 << 10;
 
 /// For the page: nothing from elsewhere, nothing sent elsewhere, no frame around it.
@@ -128,7 +128,8 @@ fn answer(request: &Request, port: u16, site: &Site, out: &mut impl Write) -> io
             head.write(out, text.len() as u64)?;
             if with_body { out.write_all(text.as_bytes()) } else { Ok(()) }
         }
-        Ok(Content::File { mut file, size, media_type }) => {
+        Ok(Content::Object(object, media_type)) => {
+            let size = object.size();
             let head = |status| {
                 Head::new(status)
                     .with("Content-Type", media_type)
@@ -154,8 +155,9 @@ fn answer(request: &Request, port: u16, site: &Site, out: &mut impl Write) -> io
             if !with_body {
                 return Ok(());
             }
-            file.seek(SeekFrom::Start(start))?;
-            let sent = io::copy(&mut file.take(length), out)?;
+            object.will_read(start..start + length);
+            let mut stream = BufReader::with_capacity(PIECE, object.stream(start).take(length));
+            let sent = io::copy(&mut stream, out)?;
             // The promised length cannot be kept: the connection must not go on as if it were.
             if sent < length { Err(io::ErrorKind::UnexpectedEof.into()) } else { Ok(()) }
         }

@@ -1,21 +1,20 @@
-//! What there is to be had: the page, lists, and files of one store.
+//! What there is to be had: the page, lists, and objects of one store.
 
-use std::fs::{self, File};
-use std::io;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
+use store::{Backend, Store, keys};
 
-use crate::error::{ViewError, of_file};
+use crate::error::{ViewError, of_place};
+use crate::object::Object;
 use crate::{listing, page, paths};
 
 /// A store that is shown.
-#[derive(Debug)]
 pub(crate) struct Site {
-    /// Its folder, all links followed.
-    root: PathBuf,
-    /// Its folder as it was named.
-    named: PathBuf,
+    store: Store,
+    /// Its folder, all links followed; none in a bucket.
+    root: Option<PathBuf>,
 }
 
 /// An answer's body.
@@ -23,26 +22,57 @@ pub(crate) struct Site {
 pub(crate) enum Content {
     /// From memory, with its media type.
     Text(String, &'static str),
-    /// From a file, which may be asked for in parts.
-    File { file: File, size: u64, media_type: &'static str },
+    /// From the store, which may be asked for in parts.
+    Object(Object, &'static str),
 }
 
 impl Site {
     /// Opens a store.
     ///
     /// # Errors
-    /// There is no such folder, it is no store, or one of another format.
-    pub(crate) fn open(folder: &Path) -> Result<Self, ViewError> {
-        let root = fs::canonicalize(folder).map_err(of_file(folder))?;
-        if !root.join("dataset.json").is_file() {
-            return Err(ViewError::NoDataset(folder.to_owned()));
+    /// There is no such place, it is no store, or one of another format.
+    pub(crate) fn open(place: &Path) -> Result<Self, ViewError> {
+        let store = Store::open(place)?;
+        if store.read(keys::DATASET)?.is_none() {
+            return Err(ViewError::NoDataset(place.to_owned()));
         }
-        listing::check_format(&root)?;
-        Ok(Self { root, named: folder.to_owned() })
+        let folder = store.location("");
+        let root = match folder.contains("://") {
+            true => None,
+            false => Some(fs::canonicalize(&folder).map_err(of_place(&folder))?),
+        };
+        Ok(Self { store, root })
     }
 
-    pub(crate) fn root(&self) -> &Path {
-        &self.root
+    pub(crate) fn backend(&self) -> &dyn Backend {
+        self.store.backend()
+    }
+
+    /// The last part of where it is.
+    pub(crate) fn folder(&self) -> String {
+        let place =
+            self.root.as_ref().map_or_else(|| self.store.location(""), |root| root.display().to_string());
+        place.trim_end_matches('/').rsplit('/').next().unwrap_or_default().to_owned()
+    }
+
+    /// An object, if it is one of the store: of a folder, what lies outside is none, whatever links say.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub(crate) fn object(&self, key: &str) -> Result<Option<Object>, ViewError> {
+        if self.root.as_ref().is_some_and(|root| !paths::lies_below(root, key)) {
+            return Ok(None);
+        }
+        Object::open(&self.store, key)
+    }
+
+    /// An object that is JSON.
+    ///
+    /// # Errors
+    /// It cannot be read or understood.
+    pub(crate) fn json(&self, key: &str) -> Result<Option<Value>, ViewError> {
+        let Some(object) = self.object(key)? else { return Ok(None) };
+        Ok(Some(serde_json::from_slice(&object.bytes()?).map_err(of_place(&object.place))?))
     }
 
     /// What a URL's path stands for, or why there is nothing there.
@@ -57,7 +87,7 @@ impl Site {
             "/worker.js" => text(page::WORKER, "text/javascript; charset=utf-8"),
             "/style.css" => text(page::STYLE, "text/css; charset=utf-8"),
             "/api/names.json" => Ok(json(&listing::names())),
-            "/api/store.json" => listing::store(&self.root, &self.named).map(|v| json(&v)),
+            "/api/store.json" => listing::store(self).map(|v| json(&v)),
             _ => match (path.strip_prefix("/api/scenes/"), path.strip_prefix("/store/")) {
                 (Some(name), _) => self.scene(name),
                 (_, Some(name)) => self.file(name),
@@ -67,20 +97,15 @@ impl Site {
     }
 
     fn scene(&self, name: &str) -> Result<Content, ViewError> {
-        let folder =
-            name.strip_suffix(".json").filter(|f| !f.is_empty() && f.bytes().all(|b| b.is_ascii_digit()));
+        let folder = name.strip_suffix(".json").filter(|folder| listing::is_number(folder));
         let folder = folder.ok_or(ViewError::NoScene)?;
-        listing::scene(&self.root, folder).map(|v| json(&v))
+        listing::scene(self, folder).map(|v| json(&v))
     }
 
     fn file(&self, name: &str) -> Result<Content, ViewError> {
-        let path = paths::file_below(&self.root, name).ok_or(ViewError::NoFile)?;
-        let open = || {
-            let file = File::open(&path)?;
-            let size = file.metadata()?.len();
-            Ok::<_, io::Error>(Content::File { file, size, media_type: media_type(&path) })
-        };
-        open().map_err(of_file(&path))
+        let key = paths::key_of(name).ok_or(ViewError::NoFile)?;
+        let object = self.object(&key)?.ok_or(ViewError::NoFile)?;
+        Ok(Content::Object(object, media_type(&key)))
     }
 }
 
@@ -89,8 +114,8 @@ fn json(value: &Value) -> Content {
 }
 
 /// What a browser shows by itself (the report and its figures); all else are bytes.
-fn media_type(path: &Path) -> &'static str {
-    match path.extension().and_then(|e| e.to_str()) {
+fn media_type(key: &str) -> &'static str {
+    match Path::new(key).extension().and_then(|e| e.to_str()) {
         Some("html") => "text/html; charset=utf-8",
         Some("svg") => "image/svg+xml",
         Some("png") => "image/png",

@@ -6,15 +6,14 @@
 mod archive;
 mod table;
 
-use std::path::PathBuf;
-
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
 use crate::error::ViewError;
+use crate::object::Object;
 use crate::site::Site;
-use crate::{listing, page, paths};
+use crate::{listing, page};
 use table::{Columns, Points, Rows};
 
 /// What journals and mail let pass, bytes.
@@ -88,7 +87,7 @@ impl Excerpt {
     /// There is no such scene, frame, agent or camera; files cannot be read; the page would be too large.
     pub(crate) fn page(&self, site: &Site) -> Result<Page, ViewError> {
         let folder = format!("{:04}", self.scene);
-        let whole = listing::scene(site.root(), &folder)?;
+        let whole = listing::scene(site, &folder)?;
         let cut = self.cut(site, folder, &whole)?;
         let mut pieces = cut.tables()?;
         pieces.extend(cut.masks()?);
@@ -153,7 +152,7 @@ impl Cut<'_> {
             rates.push((path.clone(), rate));
         }
         for path in self.files.iter().filter(|f| self.is_mask(f)) {
-            rates.push((path.clone(), archive::every_n_frames(&self.locate(path)?)?));
+            rates.push((path.clone(), archive::every_n_frames(&self.open(path)?)?));
         }
         match rates.iter().find(|(_, rate)| u64::from(self.frames.0) % rate != 0) {
             None => Ok(()),
@@ -176,15 +175,15 @@ impl Cut<'_> {
             let pictures = self.cameras.iter().map(|camera| of_kind(&format!("RGB-{camera}")));
             let tables = lidar.into_iter().map(|path| (path, true)).chain(pictures.map(|path| (path, false)));
             for (path, has_points) in tables.filter(|(path, _)| self.files.contains(path)) {
-                let rate = table::every_n_frames(&self.locate(&path)?)?;
+                let rate = table::every_n_frames(&self.open(&path)?)?;
                 found.push((path, rate, has_points));
             }
         }
         Ok(found)
     }
 
-    fn locate(&self, path: &str) -> Result<PathBuf, ViewError> {
-        let found = paths::file_below(self.site.root(), &format!("scenes/{}/{path}", self.folder));
+    fn open(&self, path: &str) -> Result<Object, ViewError> {
+        let found = self.site.object(&self.key(path))?;
         found.ok_or_else(|| ViewError::NotInScene { scene: self.folder.clone(), what: path.to_owned() })
     }
 
@@ -195,27 +194,27 @@ impl Cut<'_> {
     /// Poses, boxes, lines of the map.
     fn tables(&self) -> Result<Vec<Piece>, ViewError> {
         let rows = Rows { frames: Some(self.frames), words: vec![("agent", self.agents.clone())] };
-        let path = self.locate("agents.parquet")?;
-        let mut pieces = vec![(self.key("agents.parquet"), table::rows(&path, AGENT_COLUMNS, &rows)?)];
+        let agents = self.open("agents.parquet")?;
+        let mut pieces = vec![(self.key("agents.parquet"), table::rows(&agents, AGENT_COLUMNS, &rows)?)];
         let merged = Rows { frames: Some(self.frames), words: Vec::new() };
         for (name, rows) in [("tracks_frames.parquet", &merged), ("boxes.parquet", &rows)] {
             if self.files.iter().any(|f| f == name) {
-                pieces.push((self.key(name), table::rows(&self.locate(name)?, BOX_COLUMNS, rows)?));
+                pieces.push((self.key(name), table::rows(&self.open(name)?, BOX_COLUMNS, rows)?));
                 break;
             }
         }
-        let info = listing::scene_info(self.site.root(), &self.folder)?;
+        let info = listing::scene_info(self.site, &self.folder)?;
         let map = format!("maps/{}.vector.parquet", info["map"].as_str().unwrap_or_default());
-        if let Some(file) = paths::file_below(self.site.root(), &map) {
-            let places = table::places(&path, &rows)?;
-            pieces.push((map, table::near(&file, MAP_COLUMNS, &places, MAP_RADIUS_M)?));
+        if let Some(lines) = self.site.object(&map)? {
+            let places = table::places(&agents, &rows)?;
+            pieces.push((map, table::near(&lines, MAP_COLUMNS, &places, MAP_RADIUS_M)?));
         }
         Ok(pieces)
     }
 
     fn masks(&self) -> Result<Vec<Piece>, ViewError> {
         let masks = self.files.iter().filter(|f| self.is_mask(f));
-        masks.map(|path| Ok((self.key(path), archive::frames(&self.locate(path)?, self.frames)?))).collect()
+        masks.map(|path| Ok((self.key(path), archive::frames(&self.open(path)?, self.frames)?))).collect()
     }
 
     fn pictures(&self) -> Result<Vec<Piece>, ViewError> {
@@ -224,7 +223,7 @@ impl Cut<'_> {
             let columns = &["frame", "time_s", "image"];
             pieces.push((
                 self.key(&path),
-                table::readings(&self.locate(&path)?, columns, self.frames, rate, None)?,
+                table::readings(&self.open(&path)?, columns, self.frames, rate, None)?,
             ));
         }
         if self.cameras.is_empty() {
@@ -235,7 +234,7 @@ impl Cut<'_> {
             if self.files.contains(&path) {
                 let rows = Rows { frames: Some(self.frames), words: vec![("camera", self.cameras.to_vec())] };
                 let columns = &["frame", "camera", "id", "class", "visible_px"];
-                pieces.push((self.key(&path), table::rows(&self.locate(&path)?, columns, &rows)?));
+                pieces.push((self.key(&path), table::rows(&self.open(&path)?, columns, &rows)?));
             }
         }
         Ok(pieces)
@@ -249,7 +248,7 @@ impl Cut<'_> {
             let readings = tables.iter().map(|(path, rate, _)| {
                 let points = Points { keep_one_in: keep };
                 let bytes =
-                    table::readings(&self.locate(path)?, POINT_COLUMNS, self.frames, *rate, Some(points))?;
+                    table::readings(&self.open(path)?, POINT_COLUMNS, self.frames, *rate, Some(points))?;
                 Ok((self.key(path), bytes))
             });
             readings.collect::<Result<Vec<Piece>, ViewError>>()
@@ -296,7 +295,7 @@ impl Cut<'_> {
             pieces.iter().find(|(path, _)| path.starts_with("maps/")).map_or(0, |(_, bytes)| bytes.len());
         let title = format!("{} · {}", self.folder, info["map"].as_str().unwrap_or("?"));
         let scenes = json!([{ "folder": self.folder, "title": title, "missing": [] }]);
-        let dataset = listing::name(self.site.root()).ok().flatten().unwrap_or_default();
+        let dataset = listing::name(self.site).ok().flatten().unwrap_or_default();
         let lists = [
             ("api/names.json".to_owned(), listing::names()),
             ("api/store.json".to_owned(), json!({ "name": dataset, "scenes": scenes, "excerpt": what })),

@@ -1,7 +1,5 @@
 //! Tables cut to some rows, columns and points.
 
-use std::fs::File;
-use std::path::Path;
 use std::sync::Arc;
 
 use arrow_array::builder::BooleanBuilder;
@@ -23,7 +21,8 @@ use parquet::schema::types::ColumnPath;
 use schema::ZERO_COLUMNS;
 use schema::calibration::METADATA_KEY;
 
-use crate::error::{Unreadable, ViewError, of_file};
+use crate::error::{Unreadable, ViewError, of_place};
+use crate::object::Object;
 
 /// Positions are multiples of this part of a metre.
 const STEPS_PER_M: f32 = 128.0;
@@ -51,11 +50,10 @@ pub(super) struct Points {
     pub(super) keep_one_in: usize,
 }
 
-type Reader = ParquetRecordBatchReaderBuilder<File>;
+type Reader = ParquetRecordBatchReaderBuilder<Object>;
 
-fn open(path: &Path, columns: Columns) -> Result<Reader, ViewError> {
-    let file = File::open(path).map_err(of_file(path))?;
-    let reader = Reader::try_new(file).map_err(of_file(path))?;
+fn open(object: &Object, columns: Columns) -> Result<Reader, ViewError> {
+    let reader = Reader::try_new(object.clone()).map_err(of_place(&object.place))?;
     let fields = reader.schema().fields().iter().enumerate();
     let roots: Vec<usize> =
         fields.filter(|(_, f)| columns.contains(&f.name().as_str())).map(|(i, _)| i).collect();
@@ -64,8 +62,8 @@ fn open(path: &Path, columns: Columns) -> Result<Reader, ViewError> {
 }
 
 /// At every how many frames a sensor's table has a row.
-pub(super) fn every_n_frames(path: &Path) -> Result<u64, ViewError> {
-    let reader = open(path, &[])?;
+pub(super) fn every_n_frames(object: &Object) -> Result<u64, ViewError> {
+    let reader = open(object, &[])?;
     let said = notes(&reader).into_iter().find(|note| note.key == METADATA_KEY).and_then(|note| note.value);
     let about = said.and_then(|said| serde_json::from_str::<serde_json::Value>(&said).ok());
     Ok(about.and_then(|a| a["every_n_frames"].as_u64()).filter(|&n| n > 0).unwrap_or(1))
@@ -79,18 +77,18 @@ fn notes(reader: &Reader) -> Vec<KeyValue> {
 }
 
 /// Some rows of a table as a table.
-pub(super) fn rows(path: &Path, columns: Columns, rows: &Rows) -> Result<Vec<u8>, ViewError> {
-    cut(path, columns, |batch| select(batch, rows))
+pub(super) fn rows(object: &Object, columns: Columns, rows: &Rows) -> Result<Vec<u8>, ViewError> {
+    cut(object, columns, |batch| select(batch, rows))
 }
 
 /// Rows whose points (`x_m`, `y_m`) come near to some places, as a table.
 pub(super) fn near(
-    path: &Path,
+    object: &Object,
     columns: Columns,
     places: &[[f64; 2]],
     radius_m: f64,
 ) -> Result<Vec<u8>, ViewError> {
-    cut(path, columns, |batch| {
+    cut(object, columns, |batch| {
         let list = |name: &str| batch.column_by_name(name).and_then(|c| c.as_list_opt::<i32>().cloned());
         let (Some(x), Some(y)) = (list("x_m"), list("y_m")) else {
             return Err(Unreadable::Lacks("x_m and y_m"));
@@ -112,18 +110,18 @@ pub(super) fn near(
 }
 
 /// Where agents are: x and y of the chosen rows.
-pub(super) fn places(path: &Path, rows: &Rows) -> Result<Vec<[f64; 2]>, ViewError> {
+pub(super) fn places(object: &Object, rows: &Rows) -> Result<Vec<[f64; 2]>, ViewError> {
     let mut places = Vec::new();
-    let reader = open(path, &["frame", "agent", "xyz_m"])?.build().map_err(of_file(path))?;
+    let reader = open(object, &["frame", "agent", "xyz_m"])?.build().map_err(of_place(&object.place))?;
     for batch in reader {
-        let batch = select(batch.map_err(of_file(path))?, rows).map_err(of_file(path))?;
+        let batch = select(batch.map_err(of_place(&object.place))?, rows).map_err(of_place(&object.place))?;
         let xyz = batch.column_by_name("xyz_m").and_then(|c| c.as_fixed_size_list_opt().cloned());
-        let xyz = xyz.ok_or_else(|| of_file(path)(Unreadable::Lacks("xyz_m")))?;
+        let xyz = xyz.ok_or_else(|| of_place(&object.place)(Unreadable::Lacks("xyz_m")))?;
         for row in 0..batch.num_rows() {
             let value = xyz.value(row);
             let values = value
                 .as_primitive_opt::<Float64Type>()
-                .ok_or_else(|| of_file(path)(Unreadable::Type("xyz_m")))?;
+                .ok_or_else(|| of_place(&object.place)(Unreadable::Type("xyz_m")))?;
             places.push([values.value(0), values.value(1)]);
         }
     }
@@ -131,22 +129,22 @@ pub(super) fn places(path: &Path, rows: &Rows) -> Result<Vec<[f64; 2]>, ViewErro
 }
 
 fn cut(
-    path: &Path,
+    object: &Object,
     columns: Columns,
     choose: impl Fn(RecordBatch) -> Result<RecordBatch, Unreadable>,
 ) -> Result<Vec<u8>, ViewError> {
-    let reader = open(path, columns)?.build().map_err(of_file(path))?;
+    let reader = open(object, columns)?.build().map_err(of_place(&object.place))?;
     let mut writer: Option<ArrowWriter<Vec<u8>>> = None;
     for batch in reader {
-        let batch = choose(batch.map_err(of_file(path))?).map_err(of_file(path))?;
+        let batch = choose(batch.map_err(of_place(&object.place))?).map_err(of_place(&object.place))?;
         let writer = match &mut writer {
             Some(writer) => writer,
-            None => writer.insert(start(&batch.schema(), Vec::new()).map_err(of_file(path))?),
+            None => writer.insert(start(&batch.schema(), Vec::new()).map_err(of_place(&object.place))?),
         };
-        writer.write(&batch).map_err(of_file(path))?;
+        writer.write(&batch).map_err(of_place(&object.place))?;
     }
-    let writer = writer.ok_or_else(|| of_file(path)(Unreadable::Lacks("rows")))?;
-    writer.into_inner().map_err(of_file(path))
+    let writer = writer.ok_or_else(|| of_place(&object.place)(Unreadable::Lacks("rows")))?;
+    writer.into_inner().map_err(of_place(&object.place))
 }
 
 fn select(batch: RecordBatch, rows: &Rows) -> Result<RecordBatch, Unreadable> {
@@ -188,36 +186,37 @@ fn numbers(column: &ArrayRef) -> Result<Vec<i64>, Unreadable> {
 
 /// The readings of a sensor at some frames, each in a row group of its own, their points thinned.
 pub(super) fn readings(
-    path: &Path,
+    object: &Object,
     columns: Columns,
     (first, last): (u32, u32),
     every: u64,
     points: Option<Points>,
 ) -> Result<Vec<u8>, ViewError> {
-    let reader = open(path, columns)?;
+    let reader = open(object, columns)?;
     let notes = notes(&reader);
     let total = usize::try_from(reader.metadata().file_metadata().num_rows()).unwrap_or(0);
     let row = |frame: u32| usize::try_from(u64::from(frame).div_ceil(every)).unwrap_or(usize::MAX).min(total);
     let (from, to) = (row(first), row(last));
     let selection = RowSelection::from(vec![RowSelector::skip(from), RowSelector::select(to - from)]);
-    let reader = reader.with_row_selection(selection).with_batch_size(1).build().map_err(of_file(path))?;
+    let reader =
+        reader.with_row_selection(selection).with_batch_size(1).build().map_err(of_place(&object.place))?;
     let mut writer: Option<ArrowWriter<Vec<u8>>> = None;
     for batch in reader {
-        let batch = batch.map_err(of_file(path))?;
+        let batch = batch.map_err(of_place(&object.place))?;
         let batch = match points {
             Some(points) => thinned(&batch, points),
             None => Ok(batch),
         };
         let rows = Rows { frames: Some((first, last)), words: Vec::new() };
-        let batch = batch.and_then(|batch| select(batch, &rows)).map_err(of_file(path))?;
+        let batch = batch.and_then(|batch| select(batch, &rows)).map_err(of_place(&object.place))?;
         let writer = match &mut writer {
             Some(writer) => writer,
-            None => writer.insert(start(&batch.schema(), notes.clone()).map_err(of_file(path))?),
+            None => writer.insert(start(&batch.schema(), notes.clone()).map_err(of_place(&object.place))?),
         };
-        writer.write(&batch).and_then(|()| writer.flush()).map_err(of_file(path))?;
+        writer.write(&batch).and_then(|()| writer.flush()).map_err(of_place(&object.place))?;
     }
-    let writer = writer.ok_or_else(|| of_file(path)(Unreadable::Lacks("such frames")))?;
-    writer.into_inner().map_err(of_file(path))
+    let writer = writer.ok_or_else(|| of_place(&object.place)(Unreadable::Lacks("such frames")))?;
+    writer.into_inner().map_err(of_place(&object.place))
 }
 
 /// A reading (one row of lists) with fewer points, and with numbers that pack well.
@@ -282,6 +281,8 @@ mod tests {
     use arrow_array::StringArray;
     use arrow_array::types::UInt16Type;
 
+    use std::path::Path;
+
     use super::*;
 
     /// Readings at frames 0, 2, 4: 5 points each, x = 10 frame + point, beside a column that is not asked
@@ -309,9 +310,15 @@ mod tests {
         std::fs::write(path, writer.into_inner().expect("ends")).expect("is written");
     }
 
+    fn object(path: &Path) -> Object {
+        let store = store::Store::open(path.parent().expect("lies in a folder")).expect("opens");
+        let name = path.file_name().expect("has a name").to_str().expect("is UTF-8");
+        Object::open(&store, name).expect("is read").expect("is there")
+    }
+
     fn read(bytes: Vec<u8>, path: &Path) -> (RecordBatch, usize, Vec<String>) {
         std::fs::write(path, bytes).expect("is written");
-        let reader = Reader::try_new(File::open(path).expect("opens")).expect("is a table");
+        let reader = Reader::try_new(object(path)).expect("is a table");
         let said = notes(&reader).into_iter().filter_map(|note| note.value).collect();
         let groups = reader.metadata().num_row_groups();
         let batches: Vec<RecordBatch> = reader.build().expect("reads").map(|b| b.expect("reads")).collect();
@@ -328,9 +335,10 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("LIDAR.parquet");
         lidar(&path);
-        assert_eq!(every_n_frames(&path).expect("says"), 2);
+        assert_eq!(every_n_frames(&object(&path)).expect("says"), 2);
         let columns: Columns = &["frame", "x", "intensity", "id", "y"];
-        let bytes = readings(&path, columns, (2, 5), 2, Some(Points { keep_one_in: 2 })).expect("is cut");
+        let bytes =
+            readings(&object(&path), columns, (2, 5), 2, Some(Points { keep_one_in: 2 })).expect("is cut");
         let (batch, groups, said) = read(bytes, &path);
         // Frames 2 and 4 are 0 and 2 of the excerpt, each in a row group of its own.
         assert_eq!((batch.num_rows(), groups), (2, 2));
@@ -366,8 +374,10 @@ mod tests {
         writer.write(&batch).expect("writes");
         std::fs::write(&path, writer.into_inner().expect("ends")).expect("is written");
         let chosen = Rows { frames: Some((1, 3)), words: vec![("agent", vec!["a".into()])] };
-        let (batch, _, _) =
-            read(rows(&path, &["frame", "agent"], &chosen).expect("is cut"), &folder.path().join("cut"));
+        let (batch, _, _) = read(
+            rows(&object(&path), &["frame", "agent"], &chosen).expect("is cut"),
+            &folder.path().join("cut"),
+        );
         assert_eq!(batch.column(0).as_primitive::<UInt32Type>().values(), &[0, 1]);
         assert_eq!(batch.column(1).as_string::<i32>().iter().flatten().collect::<Vec<_>>(), ["a", "a"]);
     }
@@ -389,8 +399,8 @@ mod tests {
         writer.write(&batch).expect("writes");
         std::fs::write(&path, writer.into_inner().expect("ends")).expect("is written");
         // (3, 3.9) is 4.92 away, (4.1, 4) 5.73.
-        let bytes =
-            near(&path, &["kind", "x_m", "y_m"], &[[100.0, 0.0], [-900.0, 0.0]], 5.0).expect("is cut");
+        let bytes = near(&object(&path), &["kind", "x_m", "y_m"], &[[100.0, 0.0], [-900.0, 0.0]], 5.0)
+            .expect("is cut");
         let (batch, _, _) = read(bytes, &folder.path().join("cut"));
         assert_eq!(batch.column(0).as_string::<i32>().iter().flatten().collect::<Vec<_>>(), ["near"]);
     }

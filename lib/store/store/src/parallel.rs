@@ -5,7 +5,10 @@ use std::sync::{Mutex, PoisonError};
 
 /// Does something with each of some items, on at most `at_once` threads, and returns what came of it in their
 /// order. After an error nothing more is begun, and the first of the items' errors is returned.
-pub(crate) fn side_by_side<I: Sync, T: Send, E: Send>(
+///
+/// # Errors
+/// That of an item.
+pub fn side_by_side<I: Sync, T: Send, E: Send>(
     items: &[I],
     at_once: usize,
     one: impl Fn(&I) -> Result<T, E> + Sync,

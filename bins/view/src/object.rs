@@ -1,0 +1,103 @@
+//! An open object of a store: a file, or what lies in a bucket.
+
+use std::io::{self, Read};
+use std::ops::Range;
+use std::sync::Arc;
+
+use bytes::Bytes;
+use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::file::reader::{ChunkReader, Length};
+use store::{Shard, Store, StoreError};
+
+use crate::error::{ViewError, of_place};
+
+/// An open object, read in parts.
+#[derive(Clone)]
+pub(crate) struct Object {
+    shard: Arc<dyn Shard>,
+    /// Where it is, for messages.
+    pub(crate) place: String,
+}
+
+impl Object {
+    /// The object under a key, if there is one.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub(crate) fn open(store: &Store, key: &str) -> Result<Option<Self>, ViewError> {
+        match store.backend().open(key) {
+            Ok(shard) => Ok(Some(Self { shard: shard.into(), place: store.location(key) })),
+            Err(StoreError::Missing { .. }) => Ok(None),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    pub(crate) fn size(&self) -> u64 {
+        self.shard.size()
+    }
+
+    /// The whole object.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub(crate) fn bytes(&self) -> Result<Bytes, ViewError> {
+        self.shard.read_at(0..self.size()).map_err(of_place(&self.place))
+    }
+
+    /// A hint that these bytes are read soon.
+    pub(crate) fn will_read(&self, range: Range<u64>) {
+        self.shard.will_read(range);
+    }
+
+    /// The object as a stream from a byte on.
+    pub(crate) fn stream(&self, at: u64) -> Stream {
+        Stream { shard: Arc::clone(&self.shard), at }
+    }
+}
+
+impl std::fmt::Debug for Object {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.place)
+    }
+}
+
+/// An object as a stream.
+pub(crate) struct Stream {
+    shard: Arc<dyn Shard>,
+    at: u64,
+}
+
+impl Read for Stream {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let end = self.shard.size().min(self.at.saturating_add(buffer.len() as u64));
+        if end <= self.at {
+            return Ok(0);
+        }
+        let bytes = self.shard.read_at(self.at..end)?;
+        buffer[..bytes.len()].copy_from_slice(&bytes);
+        self.at = end;
+        Ok(bytes.len())
+    }
+}
+
+impl Length for Object {
+    fn len(&self) -> u64 {
+        self.size()
+    }
+}
+
+impl ChunkReader for Object {
+    type T = io::BufReader<Stream>;
+
+    fn get_read(&self, start: u64) -> ParquetResult<Self::T> {
+        Ok(io::BufReader::new(self.stream(start)))
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> ParquetResult<Bytes> {
+        let end = start.saturating_add(length as u64);
+        if end > self.size() {
+            return Err(ParquetError::EOF(format!("bytes {start} to {end} of {}", self.size())));
+        }
+        Ok(self.shard.read_at(start..end)?)
+    }
+}
