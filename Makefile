@@ -50,7 +50,7 @@ SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
 AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels scale test-slurm test-stores test-ray test-kubernetes gpus gpu-kit docs help
+.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels scale test-slurm test-stores test-ray test-kubernetes faults gpus gpu-kit docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [DEVICE=cpu|gpu|NAME] [REDO=1] [ACCEPT_CODE=1] [GROW=1] [STRICT=1]    (STORE: dataset for the demo, else the configuration's name)"
@@ -245,6 +245,13 @@ test-ray: build
 # kubernetes-validate: make test-kubernetes [PYTHON=python3].
 test-kubernetes: build
 	CONVOY_PYTHON=$(PYTHON) tests/kubernetes.sh $(BIN)
+
+# Every fault of every operation of a tiny run, on a disk and in a bucket, and what else machines do (docs/reliability.md):
+# make faults [FAULTS=1/50/7: a share by a seed, or a try by its name]. Stores lie in memory where there is /dev/shm.
+faults: build
+	CONVOY_FAULTS='$(or $(FAULTS),all)' CONVOY_FAULTS_TABLE=$(CURDIR)/target/faults.md $(if $(wildcard /dev/shm/.),TMPDIR=/dev/shm) \
+		$(CARGO) test --release --locked --workspace --test faults -- --nocapture --test-threads 1
+	$(if $(FAULTS),,$(if $(wildcard /dev/shm/.),TMPDIR=/dev/shm) tests/faults.sh $(BIN))
 
 # The property tests with other random cases, again and again: make soak [ROUNDS=20] [CRATE=convoy-town].
 soak:

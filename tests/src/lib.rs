@@ -37,107 +37,17 @@ pub struct Bench {
     pub folder: tempfile::TempDir,
 }
 
-/// A scene of one second with little in it.
-macro_rules! small {
-    () => {
-        r#"name = "tiny"
-seed = 11
-
-[scenes.train]
-"convoy/demo" = 1
-
-[agents]
-min_vehicles = 1
-max_vehicles = 1
-min_rsus = 1
-max_rsus = 1
-
-[timing]
-warmup_s = 0.5
-min_duration_s = 1
-max_duration_s = 1
-
-[traffic]
-vehicles = 12
-
-[walkers]
-count = 12
-
-[world]
-radius_m = 120
-"#
-    };
-}
-
 /// The smallest dataset, with the sensors that agents usually carry: one second, one vehicle, one RSU.
-pub const SMALL: &str = small!();
+pub const SMALL: &str = include_str!("../configurations/small.toml");
 
 /// [`SMALL`] by day, with every sensor at the size of a thumbnail. The sun stands still: shadow maps of a sun
 /// that moves take a third of the time.
-pub const TINY: &str = concat!(
-    small!(),
-    r#"
-[weather.initial]
-sun_altitude_deg = 30
-sun_azimuth_deg = 110
-
-[weather.final]
-sun_altitude_deg = 30
-sun_azimuth_deg = 110
-
-[vehicle.camera]
-width = 160
-height = 90
-semantic = true
-depth = true
-flow = true
-
-[vehicle.lidar]
-channels = 16
-columns = 256
-semantic = true
-
-[vehicle.occupancy]
-voxel_m = 0.5
-
-[rsu.camera]
-width = 160
-height = 90
-
-[rsu.lidar]
-channels = 16
-columns = 256
-
-[rsu.occupancy]
-voxel_m = 0.5
-"#
-);
+pub const TINY: &str =
+    concat!(include_str!("../configurations/small.toml"), "\n", include_str!("../configurations/tiny.toml"));
 
 /// [`SMALL`] with small lidars and no cameras or voxels: the quickest dataset that goes through all stages.
-pub const LEAN: &str = concat!(
-    small!(),
-    r#"
-[vehicle.camera]
-enabled = false
-
-[vehicle.lidar]
-channels = 8
-columns = 64
-
-[vehicle.occupancy]
-enabled = false
-
-[rsu.camera]
-enabled = false
-
-[rsu.lidar]
-channels = 8
-columns = 64
-
-[rsu.occupancy]
-enabled = false
-"#
-);
+pub const LEAN: &str =
+    concat!(include_str!("../configurations/small.toml"), "\n", include_str!("../configurations/lean.toml"));
 
 /// Runs a script of `tests` in Python with some arguments, and expects that it finds nothing wrong. With exit
 /// code 77 it says that it could not look at everything: a note.

@@ -47,6 +47,12 @@ impl Request {
         Ok(Some(Self { method, path, query, headers, body }))
     }
 
+    /// Whether it is done only if something is so.
+    #[must_use]
+    pub fn is_conditional(&self) -> bool {
+        self.header("if-none-match").is_some() || self.header("if-match").is_some()
+    }
+
     pub(crate) fn header(&self, name: &str) -> Option<&str> {
         self.headers.get(name).map(String::as_str)
     }

@@ -32,6 +32,8 @@ pub enum Wrong {
     Twice,
     /// It is done, and the answer takes so long.
     Late(Duration),
+    /// It is not done before [`BucketServer::deliver`] says so, and the connection ends: it was on its way.
+    Held,
 }
 
 /// Says what goes wrong with a request, by its number.
@@ -43,12 +45,17 @@ pub struct BucketServer {
     shared: Arc<Shared>,
 }
 
+/// The objects of a server at a moment.
+#[derive(Clone, Default)]
+pub struct Snapshot(BTreeMap<String, Object>);
+
 /// What all connections see.
 #[derive(Default)]
 struct Shared {
     place: Mutex<Place>,
     faults: Mutex<Option<Faults>>,
     counts: Mutex<BTreeMap<String, u64>>,
+    held: Mutex<Vec<Request>>,
     next: AtomicU64,
     is_stopped: AtomicBool,
 }
@@ -125,9 +132,32 @@ impl BucketServer {
         lock(&self.shared.place).uploads.len()
     }
 
-    /// From now on a request goes wrong as this says, by the request's number since the start.
+    /// From now on a request goes wrong as this says, by the request's number from 0.
     pub fn fail(&self, faults: impl FnMut(u64, &Request) -> Option<Wrong> + Send + 'static) {
-        *lock(&self.shared.faults) = Some(Box::new(faults));
+        let mut wrong = lock(&self.shared.faults);
+        self.shared.next.store(0, Ordering::SeqCst);
+        *wrong = Some(Box::new(faults));
+    }
+
+    /// Does what was held.
+    pub fn deliver(&self) {
+        for request in std::mem::take(&mut *lock(&self.shared.held)) {
+            let _ = Answer::to(&request, &self.shared.place);
+        }
+    }
+
+    /// All objects as they are now.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot(lock(&self.shared.place).objects.clone())
+    }
+
+    /// Has these objects again and no others, and no uploads; forgets what was held.
+    pub fn restore(&self, snapshot: &Snapshot) {
+        let mut place = lock(&self.shared.place);
+        place.objects.clone_from(&snapshot.0);
+        place.uploads.clear();
+        lock(&self.shared.held).clear();
     }
 
     /// From now on nothing goes wrong.
@@ -169,6 +199,10 @@ fn converse(stream: &TcpStream, shared: &Shared) -> std::io::Result<()> {
         let wrong = lock(&shared.faults).as_mut().and_then(|faults| faults(number, &request));
         let answer = match wrong {
             Some(Wrong::Reset) => return Ok(()),
+            Some(Wrong::Held) => {
+                lock(&shared.held).push(request);
+                return Ok(());
+            }
             Some(Wrong::Refused(status)) => Answer::refused(status),
             Some(Wrong::Twice) => {
                 let _ = Answer::to(&request, &shared.place);
