@@ -13,7 +13,7 @@ kills=${KILLS:-1000}
 RANDOM=${SEED:-7}
 work=$(mktemp -d)
 export CONVOY_DEVICE=cpu AWS_ACCESS_KEY_ID=test AWS_SECRET_ACCESS_KEY=testsecret AWS_REGION=us-east-1
-cat tests/configurations/small.toml tests/configurations/lean.toml >"$work/tiny.toml"
+cp tests/configurations/least.toml "$work/tiny.toml"
 servers=()
 mounted=()
 spaces=()

@@ -115,7 +115,7 @@ fn a_killed_expansion_gives_the_same_numbers() {
     whole.plan(&config(FIRST));
     let wider = config(&FIRST.replace("= 2", "= 3"));
     whole.plan(&wider);
-    // As if killed after the roster was written and the old manifest taken away.
+    // As if killed after the new roster had taken the old one's place.
     fs::remove_file(whole.folder().join("store/plan/_manifest.json")).expect("removes");
     let (plan, agents) = {
         let fresh = Growing::new();

@@ -120,6 +120,15 @@ fn digests(server: &BucketServer) -> Digests {
     server.objects(FOLDER).into_iter().map(|(key, bytes)| (key, hash_bytes(&bytes))).collect()
 }
 
+/// Kills a program, once its number is known.
+fn end(process: &AtomicU32) {
+    while process.load(Ordering::SeqCst) == 0 {
+        thread::yield_now();
+    }
+    let process = i32::try_from(process.load(Ordering::SeqCst)).expect("is a process");
+    let _ = kill_process(Pid::from_raw(process).expect("is no 0"), Signal::KILL);
+}
+
 /// What a server has, as a store to be looked at.
 fn contents(server: &BucketServer) -> Arc<dyn Backend> {
     let memory = Memory::default();
@@ -242,11 +251,7 @@ impl Buckets {
         server.fail(move |now, _| {
             let is_meant = now == number as u64 || fault.goes_on && now > number as u64;
             if is_meant && fault.kills {
-                while process.load(Ordering::SeqCst) == 0 {
-                    thread::yield_now();
-                }
-                let process = i32::try_from(process.load(Ordering::SeqCst)).expect("is a process");
-                let _ = kill_process(Pid::from_raw(process).expect("is no 0"), Signal::KILL);
+                end(&process);
             }
             is_meant.then_some(fault.wrong)
         });
@@ -314,4 +319,46 @@ impl Buckets {
         }
         difference(&digests(server), &states.after).map(|problem| format!("after the next run {problem}"))
     }
+}
+
+/// What a killed process of another configuration sent can still arrive when its successor has finished. No
+/// condition of a service keeps it out; `verify` names it.
+#[test]
+fn what_comes_late_from_another_configuration_is_named() {
+    let buckets = Buckets { folder: tempfile::tempdir().expect("a temporary folder") };
+    let server = BucketServer::start();
+    let write = |text: &str| fs::write(buckets.configuration(1), text).expect("writes");
+    write(&configuration(1));
+    let [plan, simulate, render, ..] = STEPS;
+    for step in [plan, simulate] {
+        buckets.run(&step, &server).expect_done();
+    }
+    let key = "scenes/0000/sensors/vehicle_0/LIDAR.parquet";
+    let victim = Arc::new(AtomicU32::new(0));
+    let process = Arc::clone(&victim);
+    server.fail(move |_, request| {
+        let is_meant = request.method == "PUT" && request.path.ends_with(key);
+        if is_meant {
+            end(&process);
+        }
+        is_meant.then_some(Wrong::Held)
+    });
+    let child = buckets.command(&render, &server).spawn().expect("the program starts");
+    victim.store(child.id(), Ordering::SeqCst);
+    assert_eq!(Outcome::of(&child.wait_with_output().expect("ends")).code, -1);
+    server.mend();
+
+    write(&configuration(1).replace("channels = 4\ncolumns = 32", "channels = 6\ncolumns = 32"));
+    let redone = Step { words: &["--redo"], ..plan };
+    buckets.run(&redone, &server).expect_done();
+    buckets.run(&simulate, &server).expect_done();
+    buckets.run(&render, &server).expect_done();
+    let whole = digests(&server);
+    assert_eq!(damage(contents(&server)), None);
+    server.deliver();
+    let said = damage(contents(&server)).expect("is named");
+    assert!(said.contains(key), "{said}");
+    // Made again by force, it is as it was.
+    buckets.run(&Step { words: &["--force"], ..render }, &server).expect_done();
+    assert_eq!(difference(&digests(&server), &whole), None);
 }

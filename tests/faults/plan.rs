@@ -6,27 +6,26 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use convoy_tests::LEAN;
 use store::hash_bytes;
 
 /// Objects of a store, by key, with the digests of their bytes.
-pub type Digests = BTreeMap<String, String>;
+pub(crate) type Digests = BTreeMap<String, String>;
 
 /// A program that takes a store a step further.
 #[derive(Clone, Copy, Debug)]
-pub struct Step {
+pub(crate) struct Step {
     /// Its name here.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// The program.
-    pub program: &'static str,
+    pub(crate) program: &'static str,
     /// Its arguments besides store and configuration.
-    pub words: &'static [&'static str],
+    pub(crate) words: &'static [&'static str],
     /// Whether it takes a configuration, and of how many scenes.
-    pub scenes: Option<u32>,
+    pub(crate) scenes: Option<u32>,
 }
 
 /// One scene from nothing, one more, a copy, and what nobody needs taken away.
-pub const STEPS: [Step; 12] = [
+pub(crate) const STEPS: [Step; 12] = [
     stage("plan", "spawn-planner", &[], 1),
     stage("simulate", "simulate-and-log", &[], 1),
     stage("render", "render-sensors", &[], 1),
@@ -51,13 +50,14 @@ const fn stage(
 }
 
 /// The configuration of so many scenes.
-pub fn configuration(scenes: u32) -> String {
-    LEAN.replace("\"convoy/demo\" = 1", &format!("\"convoy/demo\" = {scenes}"))
+pub(crate) fn configuration(scenes: u32) -> String {
+    include_str!("../configurations/least.toml")
+        .replace("\"convoy/demo\" = 1", &format!("\"convoy/demo\" = {scenes}"))
 }
 
 /// Which of all tries are made.
 #[derive(Clone, Debug)]
-pub enum Choice {
+pub(crate) enum Choice {
     All,
     /// One of so many, by a seed.
     Share(u64, u64),
@@ -67,7 +67,7 @@ pub enum Choice {
 
 impl Choice {
     /// What `CONVOY_FAULTS` says; otherwise a share that takes seconds.
-    pub fn from_environment(usual: u64) -> Self {
+    pub(crate) fn from_environment(usual: u64) -> Self {
         let Ok(text) = env::var("CONVOY_FAULTS") else { return Self::Share(usual, 1) };
         if text == "all" {
             return Self::All;
@@ -81,7 +81,7 @@ impl Choice {
     }
 
     /// Whether a try of this name is made.
-    pub fn has(&self, name: &str) -> bool {
+    pub(crate) fn has(&self, name: &str) -> bool {
         match self {
             Self::All => true,
             Self::Share(of, seed) => {
@@ -93,7 +93,7 @@ impl Choice {
     }
 
     /// Whether a step has any try that is made, as far as can be told before its operations are counted.
-    pub fn may_have(&self, place: &str, step: &Step) -> bool {
+    pub(crate) fn may_have(&self, place: &str, step: &Step) -> bool {
         match self {
             Self::One(one) => one.starts_with(&format!("{place}/{}/", step.name)),
             _ => true,
@@ -103,7 +103,7 @@ impl Choice {
 
 /// What is wrong with a store after a fault: objects that were there before and that the program does not change are
 /// as they were, and what a manifest names is there. `before` and `after` are the states around a step without faults.
-pub fn lost(now: &Digests, before: &Digests, after: &Digests) -> Option<String> {
+pub(crate) fn lost(now: &Digests, before: &Digests, after: &Digests) -> Option<String> {
     let kept = before.iter().filter(|(key, digest)| after.get(*key) == Some(digest));
     for (key, digest) in kept.filter(|(key, _)| !is_passing(key)) {
         match now.get(key) {
@@ -116,7 +116,7 @@ pub fn lost(now: &Digests, before: &Digests, after: &Digests) -> Option<String> 
 }
 
 /// What a store says of its own damage.
-pub fn damage(place: Arc<dyn store::Backend>) -> Option<String> {
+pub(crate) fn damage(place: Arc<dyn store::Backend>) -> Option<String> {
     match store::verify(&store::Store::new(place), &[], |_| {}) {
         Err(error) => Some(error.to_string()),
         Ok(found) => {
@@ -129,7 +129,7 @@ pub fn damage(place: Arc<dyn store::Backend>) -> Option<String> {
 }
 
 /// The difference of two states, if there is one; locks and what is unfinished are none.
-pub fn difference(found: &Digests, expected: &Digests) -> Option<String> {
+pub(crate) fn difference(found: &Digests, expected: &Digests) -> Option<String> {
     let keys = found.keys().chain(expected.keys()).filter(|key| !is_passing(key));
     keys.filter(|key| found.get(*key) != expected.get(*key))
         .map(|key| {
@@ -140,12 +140,12 @@ pub fn difference(found: &Digests, expected: &Digests) -> Option<String> {
 }
 
 /// Whether an object is of a process alone: a lock, or what was begun.
-pub fn is_passing(key: &str) -> bool {
+pub(crate) fn is_passing(key: &str) -> bool {
     key.starts_with("_locks/") || Path::new(key).extension().is_some_and(|ending| ending == "tmp")
 }
 
 /// Does something with each of many, on some threads.
-pub fn each<T: Sync>(items: &[T], threads: usize, act: impl Fn(usize, &T) + Sync) {
+pub(crate) fn each<T: Sync>(items: &[T], threads: usize, act: impl Fn(usize, &T) + Sync) {
     let next = AtomicUsize::new(0);
     std::thread::scope(|scope| {
         for worker in 0..threads.min(items.len()) {

@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use convoy_tests::Outcome;
 
 /// How a program ended in which something went wrong.
-pub fn ending(outcome: &Outcome) -> &'static str {
+pub(crate) fn ending(outcome: &Outcome) -> &'static str {
     match outcome.code {
         0 => "done",
         1 => "1",
@@ -21,7 +21,7 @@ pub fn ending(outcome: &Outcome) -> &'static str {
 
 /// Counts by operation, fault and outcome, and tries that came out wrong.
 #[derive(Default)]
-pub struct Tally {
+pub(crate) struct Tally {
     counts: Mutex<BTreeMap<(String, String, &'static str), u64>>,
     wrong: Mutex<BTreeSet<String>>,
 }
@@ -32,7 +32,14 @@ fn open<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 
 impl Tally {
     /// A try that ended so; `problem` if it came out wrong.
-    pub fn add(&self, name: &str, operation: &str, fault: &str, outcome: &Outcome, problem: Option<String>) {
+    pub(crate) fn add(
+        &self,
+        name: &str,
+        operation: &str,
+        fault: &str,
+        outcome: &Outcome,
+        problem: Option<String>,
+    ) {
         let key = (operation.to_owned(), fault.to_owned(), ending(outcome));
         *open(&self.counts).entry(key).or_default() += 1;
         if let Some(problem) = problem {
@@ -43,7 +50,7 @@ impl Tally {
     }
 
     /// Writes the counts as a table, and expects that nothing was wrong.
-    pub fn end(self, place: &str) {
+    pub(crate) fn end(self, place: &str) {
         let counts = self.counts.into_inner().unwrap_or_else(PoisonError::into_inner);
         let wrong = self.wrong.into_inner().unwrap_or_else(PoisonError::into_inner);
         let mut rows: BTreeMap<(String, String), BTreeMap<&str, u64>> = BTreeMap::new();
@@ -70,7 +77,7 @@ impl Tally {
 
 /// What is wrong with the words of a program that ended with an error: it says so in lines that begin with a level,
 /// and one at least is an error.
-pub fn ill_told(outcome: &Outcome) -> Option<String> {
+pub(crate) fn ill_told(outcome: &Outcome) -> Option<String> {
     if matches!(outcome.code, 0 | -1 | 137) {
         return None;
     }

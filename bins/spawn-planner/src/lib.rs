@@ -141,8 +141,6 @@ fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
     let store = job.store().clone();
     if let Some(mut unit) = job.unit("plan")? {
         store::probe(&store)?;
-        // Before the old plan is touched, so that a run that is killed here gives the same numbers next time.
-        store.write_json(keys::ROSTER, NAME, &roster.slots)?;
         for (name, source) in texts {
             unit.bytes(&keys::map(name), &replay::maps::pack(&source.text).at(Place::default)?, 1)?;
             if let Some(own) = maps.get(name) {

@@ -28,7 +28,6 @@ const PAGE_POLICY: &str = "default-src 'none'; script-src 'self'; worker-src 'se
 const FILE_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src 'self' data:; frame-ancestors 'none'";
 
 /// A server that listens.
-#[derive(Debug)]
 pub(crate) struct Server {
     listener: TcpListener,
     port: u16,

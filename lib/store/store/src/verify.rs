@@ -131,8 +131,6 @@ pub fn verify(
             None => {}
         }
     }
-    // The roster is written before the plan that it is for.
-    known.in_hand.insert(keys::ROSTER.to_owned());
     result.find_strays(&files, &known);
     result.find_undone(&files, expected, &known);
     Ok(result)
