@@ -304,6 +304,13 @@ impl Buckets {
             if let Some(problem) = damage(contents(server)) {
                 return Some(format!("after what came late {problem}"));
             }
+            // The record of a unit that comes late stays until the stage is made anew.
+            let digests = digests(server);
+            for key in
+                digests.keys().filter(|key| key.contains(".parts/") && !states.after.contains_key(*key))
+            {
+                server.damage(&format!("{FOLDER}/{key}"), None);
+            }
             let problem = self.ends_well(step, server, states);
             return problem.map(|problem| format!("after what came late {problem}"));
         }

@@ -11,7 +11,7 @@ use tokio::sync::Semaphore;
 
 use super::failure::Failure;
 use super::ranges::Ranges;
-use super::runtime::wait;
+use super::runtime::{read, wait};
 use super::upload::{UNDER_WAY, Upload};
 use crate::StoreError;
 use crate::backend::{Area, Backend, LARGEST_READ, Listed, Listing, Shard, Sink, Unfinished};
@@ -80,7 +80,7 @@ impl Objects {
 
     /// A whole object and its version, or `None` when there is none.
     fn found(&self, path: &Path) -> Result<Option<(Found, UpdateVersion)>, Failure> {
-        let found = wait(async {
+        let found = wait(read(|| async {
             let found = self.service.get(path).await?;
             let version =
                 UpdateVersion { e_tag: found.meta.e_tag.clone(), version: found.meta.version.clone() };
@@ -88,8 +88,8 @@ impl Objects {
             if size > LARGEST_READ {
                 return Ok((Found::TooLarge(size), version));
             }
-            Ok::<_, Failure>((Found::Whole(found.bytes().await?), version))
-        });
+            Ok((Found::Whole(found.bytes().await?), version))
+        }));
         match found {
             Ok(found) => Ok(Some(found)),
             Err(Failure::Absent) => Ok(None),
@@ -190,10 +190,10 @@ impl Backend for Objects {
 
     fn list(&self, folder: &str) -> Result<Listing, StoreError> {
         let path = self.path(folder.trim_end_matches('/'))?;
-        let found = wait(async {
+        let found = wait(read(|| async {
             let found: Vec<_> = self.service.list(Some(&path)).try_collect().await?;
-            Ok::<_, Failure>(found)
-        });
+            Ok(found)
+        }));
         let found = found.map_err(self.read_failed(folder, "list"))?;
         let listed = |meta: object_store::ObjectMeta| {
             Some(Listed { key: self.key(&meta.location)?, bytes: meta.size })
@@ -205,8 +205,7 @@ impl Backend for Objects {
 
     fn folders(&self, folder: &str) -> Result<Vec<String>, StoreError> {
         let path = self.path(folder.trim_end_matches('/'))?;
-        let found =
-            wait(async { self.service.list_with_delimiter(Some(&path)).await.map_err(Failure::from) });
+        let found = wait(read(|| async { Ok(self.service.list_with_delimiter(Some(&path)).await?) }));
         let found = found.map_err(self.read_failed(folder, "list"))?;
         let names = found.common_prefixes.iter().filter_map(|path| path.filename().map(str::to_owned));
         Ok(names.collect::<BTreeSet<_>>().into_iter().collect())

@@ -9,7 +9,7 @@ use object_store::path::Path;
 use object_store::{GetOptions, GetRange, ObjectStore, ObjectStoreExt};
 
 use super::failure::Failure;
-use super::runtime::{start, wait};
+use super::runtime::{read, start, wait};
 use crate::backend::Shard;
 
 /// The end of an object that is fetched as it is opened: indices of tables and archives lie there.
@@ -84,7 +84,7 @@ impl Ranges {
         path: Path,
         knows_suffix: bool,
     ) -> Result<Self, Failure> {
-        let (bytes, from, tail) = wait(async {
+        let (bytes, from, tail) = wait(read(|| async {
             if !knows_suffix {
                 let found = service.head(&path).await?;
                 return Ok((found.size, found.size, Bytes::new()));
@@ -99,8 +99,8 @@ impl Ranges {
                 },
             };
             let (bytes, from) = (found.meta.size, found.range.start);
-            Ok::<_, Failure>((bytes, from, found.bytes().await?))
-        })?;
+            Ok((bytes, from, found.bytes().await?))
+        }))?;
         Ok(Self { service, path, bytes, tail: (from, tail), kept: Mutex::default() })
     }
 
@@ -141,13 +141,16 @@ async fn fetch(
     range: Range<u64>,
     size: u64,
 ) -> Result<Bytes, Failure> {
-    let options = GetOptions::new().with_range(Some(GetRange::Bounded(range.clone())));
-    let found = service.get_opts(path, options).await?;
-    // It was replaced since it was opened: parts of two objects make none.
-    if found.meta.size != size || found.range != range {
-        return Err(Failure::Conflict);
-    }
-    Ok(found.bytes().await?)
+    read(|| async {
+        let options = GetOptions::new().with_range(Some(GetRange::Bounded(range.clone())));
+        let found = service.get_opts(path, options).await?;
+        // It was replaced since it was opened: parts of two objects make none.
+        if found.meta.size != size || found.range != range {
+            return Err(Failure::Conflict);
+        }
+        Ok(found.bytes().await?)
+    })
+    .await
 }
 
 impl Shard for Ranges {
