@@ -141,6 +141,7 @@ fn contents(server: &BucketServer) -> Arc<dyn Backend> {
 /// What a step starts with and ends with, and states from which it was seen to end well.
 struct States {
     start: Snapshot,
+    end: Snapshot,
     before: Digests,
     after: Digests,
     good: Mutex<BTreeSet<String>>,
@@ -170,7 +171,8 @@ fn whatever_goes_wrong_with_a_bucket_nothing_is_lost_and_the_bytes_are_the_same(
         buckets.run(step, &server).expect_done();
         server.mend();
         let requests = std::mem::take(&mut *requests.lock().expect("is whole"));
-        let states = States { start, before, after: digests(&server), good: Mutex::default() };
+        let (end, after) = (server.snapshot(), digests(&server));
+        let states = States { start, end, before, after, good: Mutex::default() };
         let tries: Vec<(String, usize, &str, Fault)> = requests
             .iter()
             .enumerate()
@@ -292,30 +294,31 @@ impl Buckets {
         let lines =
             found.iter().filter(|(key, _)| !is_passing(key)).map(|(key, digest)| format!("{key} {digest}\n"));
         let state = hash_bytes(lines.collect::<String>().as_bytes());
-        let is_held = fault.wrong == Wrong::Held;
-        if !is_held && states.good.lock().expect("is whole").contains(&state) {
+        let is_known = states.good.lock().expect("is whole").contains(&state);
+        if !is_known {
+            if let Some(problem) = self.ends_well(step, server, states) {
+                return Some(problem);
+            }
+            states.good.lock().expect("is whole").insert(state);
+        }
+        if fault.wrong != Wrong::Held {
             return None;
         }
-        if let Some(problem) = self.ends_well(step, server, states) {
-            return Some(problem);
+        // As the next run leaves it, and then what was on its way.
+        server.replace(&states.end);
+        server.deliver();
+        if let Some(problem) = damage(contents(server)) {
+            return Some(format!("after what came late {problem}"));
         }
-        if is_held {
-            server.deliver();
-            if let Some(problem) = damage(contents(server)) {
-                return Some(format!("after what came late {problem}"));
-            }
-            // The record of a unit that comes late stays until the stage is made anew.
-            let digests = digests(server);
-            for key in
-                digests.keys().filter(|key| key.contains(".parts/") && !states.after.contains_key(*key))
-            {
-                server.damage(&format!("{FOLDER}/{key}"), None);
-            }
-            let problem = self.ends_well(step, server, states);
-            return problem.map(|problem| format!("after what came late {problem}"));
+        // The record of a unit that comes late stays until the stage is made anew.
+        let late: Vec<String> = digests(server).into_keys().filter(|key| key.contains(".parts/")).collect();
+        for key in late.iter().filter(|key| !states.after.contains_key(*key)) {
+            server.damage(&format!("{FOLDER}/{key}"), None);
         }
-        states.good.lock().expect("is whole").insert(state);
-        None
+        if difference(&digests(server), &states.after).is_none() {
+            return None;
+        }
+        self.ends_well(step, server, states).map(|problem| format!("after what came late {problem}"))
     }
 
     /// The next run makes what a run without faults makes.

@@ -307,7 +307,8 @@ fn exit_code(status: ExitStatus) -> u8 {
     };
     match status.code() {
         Some(code) => u8::try_from(code).unwrap_or(EXIT_SOME_FAILED),
-        None if is_one_of(&[Signal::KILL]) => EXIT_KILLED,
+        // What aborts has no memory left: a panic is caught.
+        None if is_one_of(&[Signal::KILL, Signal::ABORT]) => EXIT_KILLED,
         None if is_one_of(&[Signal::TERM, Signal::INT, Signal::HUP]) => EXIT_TRY_AGAIN,
         None => EXIT_SOME_FAILED,
     }

@@ -220,13 +220,15 @@ impl StoreError {
     /// program.
     #[must_use]
     pub fn is_usage(&self) -> bool {
-        matches!(
-            self,
+        match self {
             Self::Format { .. }
-                | Self::Place { .. }
-                | Self::NoStore { .. }
-                | Self::Refused { .. }
-                | Self::Unfit { .. }
-        )
+            | Self::Place { .. }
+            | Self::NoStore { .. }
+            | Self::Refused { .. }
+            | Self::Unfit { .. } => true,
+            // A name or a path that no disk takes.
+            Self::Read { source, .. } => source.kind() == std::io::ErrorKind::InvalidFilename,
+            _ => false,
+        }
     }
 }

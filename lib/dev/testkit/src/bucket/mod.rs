@@ -154,10 +154,15 @@ impl BucketServer {
 
     /// Has these objects again and no others, and no uploads; forgets what was held.
     pub fn restore(&self, snapshot: &Snapshot) {
+        self.replace(snapshot);
+        lock(&self.shared.held).clear();
+    }
+
+    /// Has these objects and no others, and no uploads.
+    pub fn replace(&self, snapshot: &Snapshot) {
         let mut place = lock(&self.shared.place);
         place.objects.clone_from(&snapshot.0);
         place.uploads.clear();
-        lock(&self.shared.held).clear();
     }
 
     /// From now on nothing goes wrong.
