@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread;
+use std::time::{Duration, Instant};
 
 use convoy_tests::{Outcome, digests, program, workspace};
 use rustix::io::Errno;
@@ -14,6 +15,9 @@ use store::hash_bytes;
 
 use crate::plan::{Choice, Digests, STEPS, Step, configuration, damage, difference, each, is_passing, lost};
 use crate::tally::{Tally, ill_told};
+
+/// How long another one is given before the one that is stopped goes on.
+const PATIENCE: Duration = Duration::from_secs(20);
 
 /// What goes wrong with a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -227,7 +231,7 @@ fn whatever_goes_wrong_with_a_disk_nothing_is_lost_and_the_bytes_are_the_same() 
             .filter(|(name, _, _)| choice.has(name))
             .collect();
         let threads = thread::available_parallelism().map_or(1, usize::from);
-        let start = std::time::Instant::now();
+        let start = Instant::now();
         each(&tries, threads, |worker, (name, call, fault)| {
             let place = disk.folder.path().join(format!("worker-{worker}/store"));
             disk.copy(&before, &place);
@@ -275,7 +279,6 @@ impl Disk {
 
     /// Another process does all that the stopped one was to do; then it goes on.
     fn overtaken(&self, step: &Step, store: &Path, mut command: Command) -> Outcome {
-        use std::process::Stdio;
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         let child = command.spawn().expect("the program starts");
         let pid = child.id();
@@ -284,13 +287,21 @@ impl Disk {
             stat.rsplit(") ").next().is_some_and(|rest| rest.starts_with(['T', 'Z']))
         };
         while !is_stopped() {
-            thread::sleep(std::time::Duration::from_millis(2));
+            thread::sleep(Duration::from_millis(2));
         }
-        let other = output(self.command(step, store));
+        let mut other = self.command(step, store);
+        let mut other =
+            other.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        // Who wants the store alone waits for one that is about to take it.
+        let patience = Instant::now();
+        while other.try_wait().expect("is asked").is_none() && patience.elapsed() < PATIENCE {
+            thread::sleep(Duration::from_millis(2));
+        }
         let process = Pid::from_raw(i32::try_from(pid).expect("is a number of a process"));
         // Of one that has ended there is nothing to go on with.
         let _ = kill_process(process.expect("is no 0"), Signal::CONT);
         let outcome = Outcome::of(&child.wait_with_output().expect("the program ends"));
+        let other = Outcome::of(&other.wait_with_output().expect("the program ends"));
         // Work that nobody shares is refused to whoever comes second.
         if other.code != 0 && !(other.code == 75 && other.stderr.contains("ERROR")) {
             return other;

@@ -101,8 +101,8 @@ impl Choice {
     }
 }
 
-/// What is wrong with a store after a fault: objects that were there before and that the program does not change are
-/// as they were, and what a manifest names is there. `before` and `after` are the states around a step without faults.
+/// What is lost of a store after a fault: objects that were there before, and that the step does not change,
+/// must be as they were. `before` and `after` are the states around a step without faults.
 pub(crate) fn lost(now: &Digests, before: &Digests, after: &Digests) -> Option<String> {
     let kept = before.iter().filter(|(key, digest)| after.get(*key) == Some(digest));
     for (key, digest) in kept.filter(|(key, _)| !is_passing(key)) {

@@ -75,8 +75,8 @@ impl Tally {
     }
 }
 
-/// What is wrong with the words of a program that ended with an error: it says so in lines that begin with a level,
-/// and one at least is an error.
+/// What is wrong with the words of a program that ended with an error: it says so in lines that begin with a
+/// level, and one at least is an error.
 pub(crate) fn ill_told(outcome: &Outcome) -> Option<String> {
     if matches!(outcome.code, 0 | -1 | 137) {
         return None;

@@ -25,7 +25,8 @@ use error::{ViewError, of_place};
 use server::Server;
 use site::Site;
 
-/// Exit codes: done, something could not be read or written, no such store or arguments, a place that is away.
+/// Exit codes: done, something could not be read or written, no such store or arguments, a place that is
+/// away.
 const CODES: [u8; 4] = [0, 1, 2, 75];
 
 /// What to show, and how.

@@ -3,7 +3,7 @@
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Read, Write};
 use std::ops::Range;
-use std::os::unix::fs::FileExt;
+use std::os::unix::fs::{FileExt, MetadataExt};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -16,7 +16,8 @@ use crate::error::StoreError;
 use crate::process::{is_running, marked_host};
 
 const UNFINISHED: &str = ".tmp";
-/// What another machine (or this one, before it was started anew) left unfinished is believed dead after this long without a write.
+/// What another machine (or this one, before it was started anew) left unfinished is believed dead after this
+/// long without a write.
 const FOREIGN_DEAD: Duration = Duration::from_secs(24 * 3600);
 
 /// How often a folder is made anew that others remove as often.
@@ -169,6 +170,8 @@ impl Backend for Disk {
         // dropped.
         match fs::hard_link(&sink.unfinished, &sink.path) {
             Ok(()) => {}
+            // A file system of a network may do it and lose the answer, or be asked twice.
+            Err(_) if is_one_file(&sink.unfinished, &sink.path) => {}
             Err(e) if e.kind() == io::ErrorKind::AlreadyExists => return Ok(false),
             // Some file systems have no links: there, looking and renaming are two steps.
             Err(_) if self.size(key)?.is_some() => return Ok(false),
@@ -359,6 +362,12 @@ impl UnfinishedName {
         let age = fs::metadata(path).and_then(|m| m.modified()).map(|t| t.elapsed().unwrap_or_default());
         age.is_ok_and(|age| age > FOREIGN_DEAD)
     }
+}
+
+/// Whether two names are of one file.
+fn is_one_file(one: &Path, other: &Path) -> bool {
+    let file = |path: &Path| fs::metadata(path).map(|about| (about.dev(), about.ino())).ok();
+    file(one).is_some_and(|one| file(other) == Some(one))
 }
 
 fn is_absent(error: &io::Error) -> bool {

@@ -157,8 +157,13 @@ const AGAIN: &str =
 
 /// Whether a read that failed may succeed later.
 fn may_come_back(error: &io::Error) -> bool {
+    use io::ErrorKind as Kind;
+    // ENFILE, EMFILE: the machine, or the process, has too many files open.
+    let has_no_handle = error.raw_os_error().is_some_and(|code| [23, 24].contains(&code));
     let kind = error.kind();
-    matches!(kind, io::ErrorKind::TimedOut | io::ErrorKind::StaleNetworkFileHandle) || is_away(kind)
+    has_no_handle
+        || matches!(kind, Kind::TimedOut | Kind::StaleNetworkFileHandle | Kind::OutOfMemory)
+        || is_away(kind)
 }
 
 /// Whether who should answer could not be reached.

@@ -39,8 +39,8 @@ const READS: u32 = 4;
 /// A request that takes longer than this was repeated by the client already.
 const SHORT: Duration = Duration::from_secs(5);
 
-/// Makes a request that only reads, again and again while it fails soon: the client repeats what a service refuses,
-/// but not what breaks off in the middle of an answer.
+/// Makes a request that only reads, again and again while it fails soon: the client repeats what a service
+/// refuses, but not what breaks off in the middle of an answer.
 pub(super) async fn read<T, R>(request: impl Fn() -> R) -> Result<T, Failure>
 where
     R: Future<Output = Result<T, Failure>>,
