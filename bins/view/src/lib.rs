@@ -4,6 +4,7 @@
 //! lists of what the store has, and byte ranges of its files; the page decodes Parquet and npz itself. An
 //! excerpt is the same page with a small store inside it, as one file.
 
+mod content;
 mod embed;
 mod error;
 mod http;

@@ -11,8 +11,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use crate::content::{Content, content};
 use crate::http::{ByteRange, NoRequest, Request, part_of, read_request};
-use crate::site::{Content, Site};
+use crate::site::Site;
 
 /// A browser opens six; more than this at once are turned away.
 const MAX_CONNECTIONS: usize = 64;
@@ -119,7 +120,7 @@ fn answer(request: &Request, port: u16, site: &Site, out: &mut impl Write) -> io
         return Head::new("400 Bad Request").write_text(out, "a path is asked for", with_body);
     }
     let policy = if path.starts_with("/store/") { FILE_POLICY } else { PAGE_POLICY };
-    match site.content(path) {
+    match content(site, path) {
         Err(why) => Head::new("404 Not Found").write_text(out, &why.to_string(), with_body),
         Ok(Content::Text(text, media_type)) => {
             let head =

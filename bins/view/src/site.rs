@@ -1,4 +1,4 @@
-//! What there is to be had: the page, lists, and objects of one store.
+//! A store that is shown, as far as it may be read.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,22 +8,13 @@ use store::{Backend, Store, keys};
 
 use crate::error::{ViewError, of_place};
 use crate::object::Object;
-use crate::{listing, page, paths};
+use crate::paths;
 
 /// A store that is shown.
 pub(crate) struct Site {
     store: Store,
     /// Its folder, all links followed; none in a bucket.
     root: Option<PathBuf>,
-}
-
-/// An answer's body.
-#[derive(Debug)]
-pub(crate) enum Content {
-    /// From memory, with its media type.
-    Text(String, &'static str),
-    /// From the store, which may be asked for in parts.
-    Object(Object, &'static str),
 }
 
 impl Site {
@@ -73,55 +64,5 @@ impl Site {
     pub(crate) fn json(&self, key: &str) -> Result<Option<Value>, ViewError> {
         let Some(object) = self.object(key)? else { return Ok(None) };
         Ok(Some(serde_json::from_slice(&object.bytes()?).map_err(of_place(&object.place))?))
-    }
-
-    /// What a URL's path stands for, or why there is nothing there.
-    ///
-    /// # Errors
-    /// There is no such page, scene or file, or it cannot be read.
-    pub(crate) fn content(&self, path: &str) -> Result<Content, ViewError> {
-        let text = |text: &str, media_type| Ok(Content::Text(text.to_owned(), media_type));
-        match path {
-            "/" | "/index.html" => Ok(Content::Text(page::served(), "text/html; charset=utf-8")),
-            "/app.js" => text(page::APP, "text/javascript; charset=utf-8"),
-            "/worker.js" => text(page::WORKER, "text/javascript; charset=utf-8"),
-            "/style.css" => text(page::STYLE, "text/css; charset=utf-8"),
-            "/api/names.json" => Ok(json(&listing::names())),
-            "/api/store.json" => listing::store(self).map(|v| json(&v)),
-            _ => match (path.strip_prefix("/api/scenes/"), path.strip_prefix("/store/")) {
-                (Some(name), _) => self.scene(name),
-                (_, Some(name)) => self.file(name),
-                _ => Err(ViewError::NoPage),
-            },
-        }
-    }
-
-    fn scene(&self, name: &str) -> Result<Content, ViewError> {
-        let folder = name.strip_suffix(".json").filter(|folder| listing::is_number(folder));
-        let folder = folder.ok_or(ViewError::NoScene)?;
-        listing::scene(self, folder).map(|v| json(&v))
-    }
-
-    fn file(&self, name: &str) -> Result<Content, ViewError> {
-        let key = paths::key_of(name).ok_or(ViewError::NoFile)?;
-        let object = self.object(&key)?.ok_or(ViewError::NoFile)?;
-        Ok(Content::Object(object, media_type(&key)))
-    }
-}
-
-fn json(value: &Value) -> Content {
-    Content::Text(value.to_string(), "application/json")
-}
-
-/// What a browser shows by itself (the report and its figures); all else are bytes.
-fn media_type(key: &str) -> &'static str {
-    match Path::new(key).extension().and_then(|e| e.to_str()) {
-        Some("html") => "text/html; charset=utf-8",
-        Some("svg") => "image/svg+xml",
-        Some("png") => "image/png",
-        Some("jpg") => "image/jpeg",
-        Some("json") => "application/json",
-        Some("csv") => "text/csv; charset=utf-8",
-        _ => "application/octet-stream",
     }
 }

@@ -2,8 +2,6 @@
 
 use std::fs;
 
-use crate::hash_bytes;
-
 /// Name of this machine, without what separates the parts of names of files.
 pub(crate) fn host() -> String {
     let name = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
@@ -21,8 +19,8 @@ pub(crate) fn machine() -> Option<String> {
 /// This machine in names of files: its own name, with a mark of what numbers of processes are unique in. So
 /// containers that share a name do not take each other's processes for dead.
 pub(crate) fn marked_host() -> String {
-    let mark: String = hash_bytes(machine().unwrap_or_default().as_bytes()).chars().take(8).collect();
-    format!("{}+{mark}", host())
+    let mark = blake3::hash(machine().unwrap_or_default().as_bytes()).to_hex();
+    format!("{}+{}", host(), &mark[..8])
 }
 
 /// Whether a process of this machine still does anything. Where `/proc` does not tell, it counts as gone.
