@@ -17,7 +17,7 @@ use store::{Backend, Memory, hash_bytes};
 use testkit::bucket::{BucketServer, Request, Snapshot, Wrong};
 
 use crate::plan::{Choice, Digests, STEPS, Step, configuration, damage, difference, each, is_passing, lost};
-use crate::tally::{Tally, ill_told};
+use crate::tally::{Tally, ill_told, say};
 
 const URL: &str = "s3://sets/one";
 const FOLDER: &str = "sets/one";
@@ -193,13 +193,13 @@ fn whatever_goes_wrong_with_a_bucket_nothing_is_lost_and_the_bytes_are_the_same(
             let (outcome, problem) = buckets.attempt(step, &servers[worker], *number, *fault, &states);
             tally.add(name, operation, fault.name, &outcome, problem);
         });
-        eprintln!(
+        say(&format!(
             "bucket, {}: {} requests, {} tries in {:.0} s",
             step.name,
             requests.len(),
             tries.len(),
             begun.elapsed().as_secs_f64()
-        );
+        ));
     }
     tally.end("bucket");
 }
@@ -316,9 +316,7 @@ impl Buckets {
         for key in late.iter().filter(|key| !states.after.contains_key(*key)) {
             server.damage(&format!("{FOLDER}/{key}"), None);
         }
-        if difference(&digests(server), &states.after).is_none() {
-            return None;
-        }
+        difference(&digests(server), &states.after)?;
         self.ends_well(step, server, states).map(|problem| format!("after what came late {problem}"))
     }
 

@@ -14,7 +14,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use store::hash_bytes;
 
 use crate::plan::{Choice, Digests, STEPS, Step, configuration, damage, difference, each, is_passing, lost};
-use crate::tally::{Tally, ill_told};
+use crate::tally::{Tally, ill_told, say};
 
 /// How long another one is given before the one that is stopped goes on.
 const PATIENCE: Duration = Duration::from_secs(20);
@@ -188,7 +188,7 @@ fn whatever_goes_wrong_with_a_disk_nothing_is_lost_and_the_bytes_are_the_same() 
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
     let Some(library) = library(folder.path()) else {
-        eprintln!("note: skipped the faults of a disk: there is no C compiler");
+        say("note: skipped the faults of a disk: there is no C compiler");
         return;
     };
     let disk = Disk { folder, library };
@@ -238,13 +238,13 @@ fn whatever_goes_wrong_with_a_disk_nothing_is_lost_and_the_bytes_are_the_same() 
             let (outcome, problem) = disk.attempt(step, &place, call.number, *fault, &states);
             tally.add(name, &call.operation, fault.name, &outcome, problem);
         });
-        eprintln!(
+        say(&format!(
             "disk, {}: {} calls, {} tries in {:.0} s",
             step.name,
             calls.len(),
             tries.len(),
             start.elapsed().as_secs_f64()
-        );
+        ));
     }
     tally.end("disk");
 }

@@ -86,7 +86,7 @@ impl Choice {
             Self::All => true,
             Self::Share(of, seed) => {
                 let digest = hash_bytes(format!("{seed} {name}").as_bytes());
-                u64::from_str_radix(&digest[..15], 16).expect("is a number") % of == 0
+                u64::from_str_radix(&digest[..15], 16).expect("is a number").is_multiple_of(*of)
             }
             Self::One(one) => one == name,
         }

@@ -7,6 +7,11 @@ use std::sync::{Mutex, PoisonError};
 
 use convoy_tests::Outcome;
 
+/// Says how far things are.
+pub(crate) fn say(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
 /// How a program ended in which something went wrong.
 pub(crate) fn ending(outcome: &Outcome) -> &'static str {
     match outcome.code {
@@ -44,7 +49,7 @@ impl Tally {
         *open(&self.counts).entry(key).or_default() += 1;
         if let Some(problem) = problem {
             let text = format!("{name}: {problem}\n  exit {}: {}", outcome.code, outcome.stderr.trim());
-            let _ = writeln!(std::io::stderr(), "WRONG {text}");
+            say(&format!("WRONG {text}"));
             open(&self.wrong).insert(text);
         }
     }
