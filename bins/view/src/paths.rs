@@ -124,6 +124,6 @@ mod tests {
         symlink(root.join("dataset.json"), root.join("within")).expect("is linked");
         assert_eq!(file_below(&root, "out"), None);
         assert_eq!(file_below(&root, "etc/passwd"), None);
-        assert_eq!(file_below(&root, "within"), Some(root.join("dataset.json")));
+        assert_eq!(file_below(&root, "within"), Some(root.join("within")));
     }
 }
