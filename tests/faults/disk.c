@@ -9,7 +9,7 @@
 //                 fails all the same), half (half of the bytes are read or written), clock (from then on it is so many
 //                 seconds earlier)
 // FAULTS_CODE     the error's number, or the seconds
-// FAULTS_ON       if it is there, all calls from that one on go wrong
+// FAULTS_ON       if it is there, all calls that write from that one on go wrong
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <dlfcn.h>
@@ -62,11 +62,18 @@ static int lies_below(const char *path) {
 
 static int is_of(int handle) { return folder && handle >= 0 && handle < HANDLES && is_below[handle]; }
 
+static int writes(const char *name) {
+    static const char *const NAMES[] = {"create", "write", "sync", "rename", "link", "remove", "make"};
+    for (size_t i = 0; i < sizeof NAMES / sizeof *NAMES; i++)
+        if (strcmp(name, NAMES[i]) == 0) return 1;
+    return 0;
+}
+
 // Counts a call, and says what goes wrong with it.
 static enum kind count(const char *name, const char *path) {
     long number = atomic_fetch_add(&next, 1);
     if (log_handle >= 0) dprintf(log_handle, "%ld %s %s\n", number, name, path);
-    if (at < 0 || number < at || (number > at && !goes_on)) return NONE;
+    if (at < 0 || number < at || (number > at && !(goes_on && writes(name)))) return NONE;
     if (kind == KILL) raise(SIGKILL);
     if (kind == STOP) raise(SIGSTOP);
     if (kind == CLOCK) seconds_back = code;

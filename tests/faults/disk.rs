@@ -27,31 +27,36 @@ struct Fault {
     code: i32,
     /// With all calls that write from then on, too.
     goes_on: bool,
+    /// The program must end well all the same.
+    is_unnoticed: bool,
 }
 
 const fn once(name: &'static str, kind: &'static str, code: i32) -> Fault {
-    Fault { name, kind, code, goes_on: false }
+    Fault { name, kind, code, goes_on: false, is_unnoticed: false }
+}
+
+const fn unnoticed(name: &'static str, kind: &'static str, code: i32) -> Fault {
+    Fault { is_unnoticed: true, ..once(name, kind, code) }
+}
+
+const fn from_here_on(name: &'static str, code: Errno) -> Fault {
+    Fault { goes_on: true, ..once(name, "fail", code.raw_os_error()) }
 }
 
 const KILLED: Fault = once("killed after it", "killed", 0);
 const FAILS: Fault = once("input/output error", "fail", Errno::IO.raw_os_error());
 const LOST: Fault = once("is done, reports an error", "lost", Errno::IO.raw_os_error());
-const HALF: Fault = once("half of it", "half", 0);
+/// As file systems of a network lose the answer to a link.
+const LINKED: Fault = unnoticed("is done, its answer is lost", "lost", Errno::IO.raw_os_error());
+const HALF: Fault = unnoticed("half of it", "half", 0);
 const FORBIDDEN: Fault = once("permission denied", "fail", Errno::ACCESS.raw_os_error());
 const NO_HANDLE: Fault = once("too many open files", "fail", Errno::MFILE.raw_os_error());
 const NAME_TOO_LONG: Fault = once("name too long", "fail", Errno::NAMETOOLONG.raw_os_error());
-const STOPPED: Fault = once("stopped, another one does all, goes on", "stop", 0);
-const BACK: Fault = once("the clock goes back by 100 days", "clock", 8_640_000);
-const FULL: Fault =
-    Fault { name: "disk full from here on", kind: "fail", code: Errno::NOSPC.raw_os_error(), goes_on: true };
-const QUOTA: Fault = Fault {
-    name: "quota used up from here on",
-    kind: "fail",
-    code: Errno::DQUOT.raw_os_error(),
-    goes_on: true,
-};
-const READ_ONLY: Fault =
-    Fault { name: "read-only from here on", kind: "fail", code: Errno::ROFS.raw_os_error(), goes_on: true };
+const STOPPED: Fault = unnoticed("stopped, another one does all, goes on", "stop", 0);
+const BACK: Fault = unnoticed("the clock goes back by 100 days", "clock", 8_640_000);
+const FULL: Fault = from_here_on("disk full from here on", Errno::NOSPC);
+const QUOTA: Fault = from_here_on("quota used up from here on", Errno::DQUOT);
+const READ_ONLY: Fault = from_here_on("read-only from here on", Errno::ROFS);
 
 /// What can go wrong with an operation.
 fn faults_of(operation: &str) -> &'static [Fault] {
@@ -60,7 +65,8 @@ fn faults_of(operation: &str) -> &'static [Fault] {
         "make" => &[KILLED, FORBIDDEN, FULL],
         "write" => &[KILLED, FAILS, HALF, FULL, QUOTA],
         "sync" => &[KILLED, FAILS, LOST],
-        "rename" | "link" => &[KILLED, FAILS, LOST, STOPPED],
+        "rename" => &[KILLED, FAILS, LOST, STOPPED],
+        "link" => &[KILLED, FAILS, LINKED, STOPPED],
         "remove" => &[KILLED, FAILS, LOST],
         "open" => &[FAILS, FORBIDDEN, NO_HANDLE],
         "read" => &[FAILS, HALF],
@@ -320,8 +326,8 @@ impl Disk {
         if let Some(problem) = ill_told(outcome) {
             return Some(problem);
         }
-        if fault == STOPPED && outcome.code != 0 {
-            return Some("does not go on".to_owned());
+        if fault.is_unnoticed && outcome.code != 0 {
+            return Some("does not end well".to_owned());
         }
         let found = if store.is_dir() { digests(store) } else { Digests::new() };
         if let Some(problem) = lost(&found, &states.before, &states.after) {

@@ -42,7 +42,7 @@ pub(crate) fn store(site: &Site) -> Result<Value, ViewError> {
 fn of_scene(site: &Site, folder: &str) -> Result<Option<Value>, ViewError> {
     let info = match scene_info(site, folder) {
         // A place that is away has no list.
-        Err(ViewError::Store(error)) => return Err(error.into()),
+        Err(ViewError::Store(error)) if error.is_transient() => return Err(error.into()),
         Err(_) => return Ok(None),
         Ok(info) => info,
     };

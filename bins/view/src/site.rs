@@ -27,11 +27,8 @@ impl Site {
         if store.read(keys::DATASET)?.is_none() {
             return Err(ViewError::NoDataset(place.to_owned()));
         }
-        let folder = store.location("");
-        let root = match folder.contains("://") {
-            true => None,
-            false => Some(fs::canonicalize(&folder).map_err(of_place(&folder))?),
-        };
+        // A bucket is no path.
+        let root = fs::canonicalize(store.location("")).ok();
         Ok(Self { store, root })
     }
 
