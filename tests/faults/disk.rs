@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use convoy_tests::{Outcome, digests, program, workspace};
 use rustix::io::Errno;
@@ -206,8 +206,12 @@ fn whatever_goes_wrong_with_a_disk_nothing_is_lost_and_the_bytes_are_the_same() 
     fs::create_dir_all(&now).expect("makes a folder");
     for step in &STEPS {
         match step.name {
-            // A tile that no scene names, as older code leaves them.
+            // A tile that no scene names, as older code leaves them, and a file that no manifest names.
             "tidy" => {
+                let stray = now.join("scenes/0000/stray.parquet");
+                fs::write(&stray, "left by a process of the day before yesterday").expect("writes");
+                let then = SystemTime::now() - Duration::from_hours(48);
+                fs::File::open(&stray).and_then(|file| file.set_modified(then)).expect("sets its time");
                 let tiles = now.join("tiles");
                 let set = fs::read_dir(&tiles).expect("has tiles").next().expect("has a set").expect("lists");
                 disk.copy(&set.path(), &tiles.join("0123456789abcdef"));

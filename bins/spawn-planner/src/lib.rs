@@ -21,7 +21,7 @@ use schema::tables::{
 };
 use settings::stages::PlanSettings;
 use settings::{Suspicion, map_name};
-use store::{SceneKind, Scope, Store, keys};
+use store::{SceneKind, Scope, Store, StoreError, keys};
 
 use crate::error::RosterError;
 use crate::maps::MapSource;
@@ -142,7 +142,10 @@ fn run(job: &mut Job<'_, PlanSettings>) -> Result<(), StageError> {
     if let Some(mut unit) = job.unit("plan")? {
         store::probe(&store)?;
         for (name, source) in texts {
-            unit.bytes(&keys::map(name), &replay::maps::pack(&source.text).at(Place::default)?, 1)?;
+            let key = keys::map(name);
+            let packed = replay::maps::pack(&source.text)
+                .map_err(|e| StoreError::write(store.location(&key), "compress", e))?;
+            unit.bytes(&key, &packed, 1)?;
             if let Some(own) = maps.get(name) {
                 unit.rows(&keys::vector_map(name), &labels::vector_map::rows(&own.map))?;
             }

@@ -1,13 +1,12 @@
 //! An open object of a store: a file, or what lies in a bucket.
 
-use std::io::{self, Read};
 use std::ops::Range;
 use std::sync::Arc;
 
 use bytes::Bytes;
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::reader::{ChunkReader, Length};
-use store::{Shard, Store, StoreError};
+use store::{Shard, ShardStream, Store, StoreError};
 
 use crate::error::{ViewError, of_place};
 
@@ -50,33 +49,14 @@ impl Object {
     }
 
     /// The object as a stream from a byte on.
-    pub(crate) fn stream(&self, at: u64) -> Stream {
-        Stream { shard: Arc::clone(&self.shard), at }
+    pub(crate) fn stream(&self, at: u64) -> ShardStream {
+        ShardStream::new(Arc::clone(&self.shard), at)
     }
 }
 
 impl std::fmt::Debug for Object {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.place)
-    }
-}
-
-/// An object as a stream.
-pub(crate) struct Stream {
-    shard: Arc<dyn Shard>,
-    at: u64,
-}
-
-impl Read for Stream {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let end = self.shard.size().min(self.at.saturating_add(buffer.len() as u64));
-        if end <= self.at {
-            return Ok(0);
-        }
-        let bytes = self.shard.read_at(self.at..end)?;
-        buffer[..bytes.len()].copy_from_slice(&bytes);
-        self.at = end;
-        Ok(bytes.len())
     }
 }
 
@@ -87,10 +67,10 @@ impl Length for Object {
 }
 
 impl ChunkReader for Object {
-    type T = io::BufReader<Stream>;
+    type T = ShardStream;
 
     fn get_read(&self, start: u64) -> ParquetResult<Self::T> {
-        Ok(io::BufReader::new(self.stream(start)))
+        Ok(self.stream(start))
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> ParquetResult<Bytes> {

@@ -81,8 +81,9 @@ pub(crate) enum StoreCommand {
         #[arg(required = true, value_name = "STORE")]
         from: Vec<PathBuf>,
     },
-    /// Removes tiles of the static world that no scene's log names: those of older code or other settings,
-    /// and locks of the dead. Not while anything else works on the store.
+    /// Removes tiles of the static world that no scene's log names (those of older code or other settings),
+    /// files that no manifest names, older than a day, in scenes in which all is done, and locks of the dead.
+    /// Not while anything else works on the store.
     Tidy {
         /// The store: a folder, or s3://BUCKET/FOLDER (az://, gs://).
         #[arg(long, value_name = "DIR")]

@@ -2,18 +2,31 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::time::Duration;
 
 use runner::{EXIT_DONE, StageError, hold_alone, say};
 use schema::scene_info::LOG_STAGE;
 use schema::tables::SceneTileRow;
-use store::{Scope, Store, StoreError, keys};
+use store::{Scope, Store, StoreError, Strays, keys, remove_strays};
 
-/// Removes tiles that no scene's log names, and locks of the dead.
+/// Younger files that no manifest names may be of a process that still writes.
+const OLD: Duration = Duration::from_secs(24 * 3600);
+
+/// Removes tiles that no scene's log names, old files that no manifest names, and locks of the dead.
 pub(crate) fn tidy(store: &Path) -> u8 {
     runner::listen_for_signals();
     match tidied(store) {
-        Ok((tiles, bytes)) => {
+        Ok(((tiles, bytes), strays)) => {
             say(&format!("{tiles} tiles removed, {:.1} MB", bytes as f64 / 1e6));
+            let Strays { removed, bytes, left } = strays;
+            if removed > 0 {
+                say(&format!("{removed} files that no manifest names removed, {:.1} MB", bytes as f64 / 1e6));
+            }
+            if left > 0 {
+                say(&format!(
+                    "{left} more are younger than a day, lie in scenes that are not done, or are not ours"
+                ));
+            }
             EXIT_DONE
         }
         Err(e) => {
@@ -23,12 +36,12 @@ pub(crate) fn tidy(store: &Path) -> u8 {
     }
 }
 
-fn tidied(store: &Path) -> Result<(usize, u64), StageError> {
+fn tidied(store: &Path) -> Result<((usize, u64), Strays), StageError> {
     let store = Store::open_made(store)?;
     // A simulation that runs may name tiles in a log that is not there yet.
     let _lock = hold_alone(&store, "convoy tidy")?;
     store::remove_probes(&store)?;
-    Ok(remove_unused(&store)?)
+    Ok((remove_unused(&store)?, remove_strays(&store, OLD)?))
 }
 
 /// How many tiles were removed, and their bytes.

@@ -17,9 +17,6 @@ pub enum MapError {
     /// The store failed.
     #[error("{0}")]
     Store(#[from] StoreError),
-    /// It could not be compressed.
-    #[error("cannot compress the map")]
-    Compress(#[source] io::Error),
     /// It cannot be unpacked.
     #[error("{path}: cannot decompress: {source} (run spawn-planner with --force)")]
     Decompress {
@@ -53,9 +50,10 @@ pub enum MapError {
 /// A map's text as a store keeps it.
 ///
 /// # Errors
-/// The compressor fails.
-pub fn pack(text: &[u8]) -> Result<Vec<u8>, MapError> {
-    zstd::bulk::compress(text, LEVEL).map_err(MapError::Compress)
+/// There is not enough memory: nothing else can go wrong.
+pub fn pack(text: &[u8]) -> io::Result<Vec<u8>> {
+    let packed = zstd::bulk::compress(text, LEVEL);
+    packed.map_err(|e| io::Error::new(io::ErrorKind::OutOfMemory, e.to_string()))
 }
 
 /// The OpenDRIVE text of a map of a store, by its name; `None` when the store has no such map.

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::ops::Range;
+use std::time::SystemTime;
 
 use bytes::Bytes;
 
@@ -57,6 +58,12 @@ pub trait Backend: Send + Sync {
     /// # Errors
     /// The place cannot be asked.
     fn size(&self, key: &str) -> Result<Option<u64>, StoreError>;
+
+    /// When an object was put, by the clock of the place, or `None` when it does not exist.
+    ///
+    /// # Errors
+    /// The place cannot be asked.
+    fn modified(&self, key: &str) -> Result<Option<SystemTime>, StoreError>;
 
     /// Removes an object, if it exists.
     ///

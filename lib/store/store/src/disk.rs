@@ -233,6 +233,14 @@ impl Backend for Disk {
         }
     }
 
+    fn modified(&self, key: &str) -> Result<Option<SystemTime>, StoreError> {
+        match fs::metadata(self.path(key)).and_then(|meta| meta.modified()) {
+            Ok(time) => Ok(Some(time)),
+            Err(e) if is_absent(&e) => Ok(None),
+            Err(e) => Err(StoreError::read(self.location(key), "look at", e)),
+        }
+    }
+
     fn remove(&self, key: &str) -> Result<(), StoreError> {
         let path = self.path(key);
         match fs::remove_file(&path) {

@@ -144,6 +144,8 @@ pub enum StoreError {
 fn remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "make room",
+        io::ErrorKind::OutOfMemory => "give more memory",
+        io::ErrorKind::InvalidFilename => "give a shorter --store, or shorter names",
         io::ErrorKind::FileTooLarge => "raise the limit on the size of files (`ulimit -f`)",
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "make the store writable",
         kind if kind == io::ErrorKind::TimedOut || is_away(kind) => "see to the network or the service",
@@ -215,7 +217,8 @@ impl StoreError {
     #[must_use]
     pub fn is_transient(&self) -> bool {
         match self {
-            Self::Write { .. } | Self::Contested { .. } | Self::Held { .. } => true,
+            Self::Write { .. } => !self.is_usage(),
+            Self::Contested { .. } | Self::Held { .. } => true,
             Self::Read { source, .. } => may_come_back(source),
             _ => false,
         }
@@ -232,7 +235,9 @@ impl StoreError {
             | Self::Refused { .. }
             | Self::Unfit { .. } => true,
             // A name or a path that no disk takes.
-            Self::Read { source, .. } => source.kind() == std::io::ErrorKind::InvalidFilename,
+            Self::Read { source, .. } | Self::Write { source, .. } => {
+                source.kind() == io::ErrorKind::InvalidFilename
+            }
             _ => false,
         }
     }

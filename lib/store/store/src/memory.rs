@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::SystemTime;
 
 use bytes::Bytes;
 
@@ -31,7 +32,7 @@ pub struct Memory {
 
 #[derive(Debug, Default)]
 struct Inner {
-    objects: BTreeMap<String, Bytes>,
+    objects: BTreeMap<String, (Bytes, SystemTime)>,
     uploads: BTreeMap<u64, Upload>,
     next: u64,
 }
@@ -44,8 +45,12 @@ struct Upload {
 }
 
 impl Inner {
+    fn put(&mut self, key: &str, bytes: Bytes) {
+        self.objects.insert(key.to_owned(), (bytes, SystemTime::now()));
+    }
+
     fn used(&self) -> usize {
-        let objects: usize = self.objects.values().map(Bytes::len).sum();
+        let objects: usize = self.objects.values().map(|(bytes, _)| bytes.len()).sum();
         objects + self.uploads.values().map(|upload| upload.bytes.len()).sum::<usize>()
     }
 
@@ -101,7 +106,7 @@ impl Sink for Upstream {
             let source = io::ErrorKind::NotFound.into();
             return Err(StoreError::write(self.place.location(&self.key), "complete", source));
         };
-        inner.objects.insert(upload.key, upload.bytes.into());
+        inner.put(&upload.key, upload.bytes.into());
         Ok(())
     }
 }
@@ -136,7 +141,7 @@ impl Backend for Memory {
         }
         match inner.room(self.capacity, bytes.len()) {
             Ok(room) if room == bytes.len() => {
-                inner.objects.insert(key.to_owned(), Bytes::copy_from_slice(bytes));
+                inner.put(key, Bytes::copy_from_slice(bytes));
                 Ok(true)
             }
             _ => Err(StoreError::write(self.location(key), "write", io::ErrorKind::StorageFull.into())),
@@ -145,8 +150,8 @@ impl Backend for Memory {
 
     fn replace(&self, key: &str, _owner: &str, old: &[u8], new: &[u8]) -> Result<bool, StoreError> {
         let mut inner = self.inner();
-        match inner.objects.get_mut(key) {
-            Some(there) if *there == old => *there = Bytes::copy_from_slice(new),
+        match inner.objects.get(key) {
+            Some((there, _)) if *there == old => inner.put(key, Bytes::copy_from_slice(new)),
             _ => return Ok(false),
         }
         Ok(true)
@@ -154,22 +159,26 @@ impl Backend for Memory {
 
     fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
         match self.inner().objects.get(key) {
-            Some(bytes) if bytes.len() as u64 > LARGEST_READ => {
+            Some((bytes, _)) if bytes.len() as u64 > LARGEST_READ => {
                 Err(StoreError::too_large(self.location(key), bytes.len() as u64))
             }
-            found => Ok(found.map(|bytes| bytes.to_vec())),
+            found => Ok(found.map(|(bytes, _)| bytes.to_vec())),
         }
     }
 
     fn open(&self, key: &str) -> Result<Box<dyn Shard>, StoreError> {
         match self.inner().objects.get(key) {
-            Some(bytes) => Ok(Box::new(Whole(bytes.clone()))),
+            Some((bytes, _)) => Ok(Box::new(Whole(bytes.clone()))),
             None => Err(StoreError::Missing { path: self.location(key) }),
         }
     }
 
     fn size(&self, key: &str) -> Result<Option<u64>, StoreError> {
-        Ok(self.inner().objects.get(key).map(|bytes| bytes.len() as u64))
+        Ok(self.inner().objects.get(key).map(|(bytes, _)| bytes.len() as u64))
+    }
+
+    fn modified(&self, key: &str) -> Result<Option<SystemTime>, StoreError> {
+        Ok(self.inner().objects.get(key).map(|&(_, put)| put))
     }
 
     fn remove(&self, key: &str) -> Result<(), StoreError> {
@@ -180,7 +189,10 @@ impl Backend for Memory {
     fn list(&self, folder: &str) -> Result<Listing, StoreError> {
         let inner = self.inner();
         let below = inner.objects.iter().filter(|(key, _)| is_below(key, folder));
-        let listed = |(key, bytes): (&String, &Bytes)| Listed { key: key.clone(), bytes: bytes.len() as u64 };
+        let listed = |(key, (bytes, _)): (&String, &(Bytes, SystemTime))| Listed {
+            key: key.clone(),
+            bytes: bytes.len() as u64,
+        };
         Ok(Listing {
             objects: below.map(listed).collect(),
             has_unfinished: inner.uploads.values().any(|upload| is_below(&upload.key, folder)),

@@ -11,7 +11,7 @@ use crate::StoreError;
 use crate::backend::Shard;
 use crate::write::Failed;
 
-/// An open object as a stream from its start that can seek.
+/// An open object as a stream that can seek.
 pub struct ShardStream(BufReader<Cursor>);
 
 struct Cursor {
@@ -20,7 +20,9 @@ struct Cursor {
 }
 
 impl ShardStream {
-    pub(crate) fn new(shard: Arc<dyn Shard>, at: u64) -> Self {
+    /// The stream from a byte on.
+    #[must_use]
+    pub fn new(shard: Arc<dyn Shard>, at: u64) -> Self {
         Self(BufReader::new(Cursor { shard, at }))
     }
 }

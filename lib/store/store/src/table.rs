@@ -1,6 +1,7 @@
 //! Writing tables. What costs time is encoding rows, which any thread does; groups of rows are then appended
 //! in their order.
 
+use std::io;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
@@ -106,7 +107,7 @@ impl<R: Row> TableWriter<R> {
         }
         self.rows += group.rows;
         let appended = append(&mut self.file, group);
-        appended.map_err(|e| error_of(&self.failed, &self.encoder.encoder.location, &e))
+        appended.map_err(|e| error_of(&self.failed, &self.encoder.encoder.location, e))
     }
 
     /// Ends the table.
@@ -119,7 +120,7 @@ impl<R: Row> TableWriter<R> {
             self.append(last)?;
         }
         let file = self.file.into_inner();
-        file.map_err(|e| error_of(&self.failed, &self.encoder.encoder.location, &e))?.finish(self.rows)
+        file.map_err(|e| error_of(&self.failed, &self.encoder.encoder.location, e))?.finish(self.rows)
     }
 }
 
@@ -172,25 +173,25 @@ struct Encoder {
 impl Encoder {
     fn open(&self) -> Result<OpenGroup, StoreError> {
         // The number of the group matters to encryption alone.
-        let columns = self.factory.create_column_writers(0).map_err(|e| self.error(&e))?;
+        let columns = self.factory.create_column_writers(0).map_err(|e| self.error(e))?;
         Ok(OpenGroup { columns, rows: 0 })
     }
 
     fn fill(&self, group: &mut OpenGroup, columns: Vec<Column>, rows: usize) -> Result<(), StoreError> {
         let arrays = columns.into_iter().map(convert::to_arrow).collect();
         let batch = RecordBatch::try_new(Arc::clone(&self.schema), arrays).map_err(ParquetError::from);
-        batch.and_then(|batch| write(group, &batch)).map_err(|e| self.error(&e))?;
+        batch.and_then(|batch| write(group, &batch)).map_err(|e| self.error(e))?;
         group.rows += rows;
         Ok(())
     }
 
     fn close(&self, group: OpenGroup) -> Result<EncodedGroup, StoreError> {
         let columns: Result<_, _> = group.columns.into_iter().map(ArrowColumnWriter::close).collect();
-        Ok(EncodedGroup { columns: columns.map_err(|e| self.error(&e))?, rows: group.rows as u64 })
+        Ok(EncodedGroup { columns: columns.map_err(|e| self.error(e))?, rows: group.rows as u64 })
     }
 
-    fn error(&self, error: &ParquetError) -> StoreError {
-        StoreError::Corrupt { path: self.location.clone(), problem: error.to_string() }
+    fn error(&self, error: ParquetError) -> StoreError {
+        not_encoded(&self.location, error)
     }
 }
 
@@ -214,8 +215,7 @@ fn start(
     let properties = properties(&schema, options);
     let started = ArrowWriter::try_new(file, schema.clone(), Some(properties))
         .and_then(ArrowWriter::into_serialized_writer);
-    let (file, factory) =
-        started.map_err(|e| StoreError::Corrupt { path: location.clone(), problem: e.to_string() })?;
+    let (file, factory) = started.map_err(|e| not_encoded(&location, e))?;
     Ok((file, Encoder { schema, factory, location }))
 }
 
@@ -228,10 +228,22 @@ fn append(file: &mut SerializedFileWriter<FileWriter>, group: EncodedGroup) -> R
     Ok(())
 }
 
-fn error_of(failed: &Failed, location: &str, error: &ParquetError) -> StoreError {
+fn error_of(failed: &Failed, location: &str, error: ParquetError) -> StoreError {
     match failed.take() {
         Some(io) => StoreError::write(location, "write", io),
-        None => StoreError::Corrupt { path: location.to_owned(), problem: error.to_string() },
+        None => not_encoded(location, error),
+    }
+}
+
+/// What failed before anything was written.
+fn not_encoded(location: &str, error: ParquetError) -> StoreError {
+    let problem = error.to_string();
+    match error {
+        // Of the compressor, which fails for want of memory alone.
+        ParquetError::External(source) if source.is::<io::Error>() => {
+            StoreError::write(location, "compress", io::Error::new(io::ErrorKind::OutOfMemory, problem))
+        }
+        _ => StoreError::Corrupt { path: location.to_owned(), problem },
     }
 }
 
@@ -245,9 +257,9 @@ pub(crate) fn write_columns(file: FileWriter, columns: Vec<(&str, Column)>) -> R
         let mut group = encoder.open()?;
         encoder.fill(&mut group, columns.into_iter().map(|(_, column)| column).collect(), rows)?;
         let group = encoder.close(group)?;
-        append(&mut file, group).map_err(|e| error_of(&failed, &encoder.location, &e))?;
+        append(&mut file, group).map_err(|e| error_of(&failed, &encoder.location, e))?;
     }
-    file.into_inner().map_err(|e| error_of(&failed, &encoder.location, &e))?.finish(rows as u64)
+    file.into_inner().map_err(|e| error_of(&failed, &encoder.location, e))?.finish(rows as u64)
 }
 
 fn properties(schema: &Schema, options: &TableOptions) -> WriterProperties {

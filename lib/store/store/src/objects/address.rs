@@ -12,7 +12,7 @@ use object_store::{BackoffConfig, ClientOptions, ObjectStore, RetryConfig};
 
 use super::bucket::Objects;
 use super::profile::Profile;
-use super::runtime::choose_encryption;
+use super::runtime::{choose_encryption, patience};
 use crate::StoreError;
 
 /// A kind of service.
@@ -109,20 +109,17 @@ struct Unready {
     looked_at: String,
 }
 
-/// For how long a request is repeated, seconds, where `CONVOY_RETRY_S` says nothing else. It is given up
-/// after a minute: three in all.
-const RETRIED_S: u64 = 110;
-
 fn retries() -> RetryConfig {
-    let told = std::env::var("CONVOY_RETRY_S").ok().and_then(|text| text.parse().ok());
     RetryConfig {
         backoff: BackoffConfig {
             init_backoff: Duration::from_millis(100),
-            max_backoff: Duration::from_secs(15),
-            base: 2.0,
+            max_backoff: Duration::from_secs(8),
+            // Pauses are drawn between the least and this times the last one: with 2 they hardly grow.
+            base: 3.0,
         },
-        max_retries: 12,
-        retry_timeout: Duration::from_secs(told.unwrap_or(RETRIED_S)),
+        // Time alone ends them.
+        max_retries: usize::MAX,
+        retry_timeout: patience(),
     }
 }
 

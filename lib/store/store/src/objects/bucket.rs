@@ -2,16 +2,17 @@
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::time::{Instant, SystemTime};
 
 use bytes::Bytes;
 use futures_util::TryStreamExt;
 use object_store::path::Path;
-use object_store::{ObjectStore, ObjectStoreExt, PutMode, PutOptions, PutPayload, UpdateVersion};
+use object_store::{ObjectMeta, ObjectStore, ObjectStoreExt, PutMode, PutOptions, PutPayload, UpdateVersion};
 use tokio::sync::Semaphore;
 
 use super::failure::Failure;
 use super::ranges::Ranges;
-use super::runtime::{read, wait};
+use super::runtime::{patience, read, wait};
 use super::upload::{UNDER_WAY, Upload};
 use crate::StoreError;
 use crate::backend::{Area, Backend, LARGEST_READ, Listed, Listing, Shard, Sink, Unfinished};
@@ -97,6 +98,16 @@ impl Objects {
         }
     }
 
+    /// What a service tells of an object without its bytes.
+    fn head(&self, key: &str) -> Result<Option<ObjectMeta>, StoreError> {
+        let path = self.path(key)?;
+        match wait(async { self.service.head(&path).await.map_err(Failure::from) }) {
+            Ok(found) => Ok(Some(found)),
+            Err(Failure::Absent) => Ok(None),
+            Err(failure) => Err(self.read_failed(key, "look at")(failure)),
+        }
+    }
+
     fn put(&self, path: &Path, bytes: &[u8], mode: PutMode) -> Result<(), Failure> {
         let payload = PutPayload::from(Bytes::copy_from_slice(bytes));
         let options = PutOptions { mode, ..PutOptions::default() };
@@ -106,10 +117,12 @@ impl Objects {
     /// Puts on a condition. The answer may be lost after it was done, and "there is one" may come of two that
     /// asked at once, of whom none succeeded: so what lies there decides, and nothing there means again.
     fn put_on_condition(&self, path: &Path, bytes: &[u8], mode: &PutMode) -> Result<bool, Failure> {
-        let mut last = Failure::Conflict;
+        let (mut last, start) = (Failure::Conflict, Instant::now());
         for _ in 0..LOOKS {
             last = match self.put(path, bytes, mode.clone()) {
                 Ok(()) => return Ok(true),
+                // Nobody answers: looking would take as long again.
+                Err(failure @ Failure::Away(_)) if start.elapsed() >= patience() => return Err(failure),
                 Err(failure @ (Failure::Conflict | Failure::Away(_))) => failure,
                 Err(failure) => return Err(failure),
             };
@@ -172,12 +185,11 @@ impl Backend for Objects {
     }
 
     fn size(&self, key: &str) -> Result<Option<u64>, StoreError> {
-        let path = self.path(key)?;
-        match wait(async { self.service.head(&path).await.map_err(Failure::from) }) {
-            Ok(found) => Ok(Some(found.size)),
-            Err(Failure::Absent) => Ok(None),
-            Err(failure) => Err(self.read_failed(key, "look at")(failure)),
-        }
+        Ok(self.head(key)?.map(|found| found.size))
+    }
+
+    fn modified(&self, key: &str) -> Result<Option<SystemTime>, StoreError> {
+        Ok(self.head(key)?.map(|found| found.last_modified.into()))
     }
 
     fn remove(&self, key: &str) -> Result<(), StoreError> {
@@ -195,9 +207,7 @@ impl Backend for Objects {
             Ok(found)
         }));
         let found = found.map_err(self.read_failed(folder, "list"))?;
-        let listed = |meta: object_store::ObjectMeta| {
-            Some(Listed { key: self.key(&meta.location)?, bytes: meta.size })
-        };
+        let listed = |meta: ObjectMeta| Some(Listed { key: self.key(&meta.location)?, bytes: meta.size });
         let mut objects: Vec<Listed> = found.into_iter().filter_map(listed).collect();
         objects.sort_unstable();
         Ok(Listing { objects, has_unfinished: false })

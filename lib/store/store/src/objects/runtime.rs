@@ -34,6 +34,16 @@ pub(super) fn wait<T, E: From<io::Error>>(request: impl Future<Output = Result<T
     runtime()?.block_on(request)
 }
 
+/// For how long a request is repeated, seconds, where `CONVOY_RETRY_S` says nothing else. With the last one,
+/// which is given up after a minute, three minutes in all.
+const RETRIED_S: u64 = 110;
+
+/// For how long a request is repeated.
+pub(super) fn patience() -> Duration {
+    let told = std::env::var("CONVOY_RETRY_S").ok().and_then(|text| text.parse().ok());
+    Duration::from_secs(told.unwrap_or(RETRIED_S))
+}
+
 /// How often is read again what broke off.
 const READS: u32 = 4;
 /// A request that takes longer than this was repeated by the client already.
@@ -49,7 +59,7 @@ where
     loop {
         let start = Instant::now();
         match request().await {
-            Err(Failure::Away(_)) if tried < READS && start.elapsed() < SHORT => {
+            Err(Failure::Away(_)) if tried < READS && start.elapsed() < SHORT.min(patience()) => {
                 tokio::time::sleep(Duration::from_millis(100) * tried).await;
                 tried += 1;
             }

@@ -3,6 +3,7 @@
 
 use std::io::{self, Write};
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use schema::table::Column;
 use store::{
@@ -91,6 +92,9 @@ impl Backend for Failing {
     }
     fn size(&self, key: &str) -> Result<Option<u64>, StoreError> {
         self.place.backend().size(key)
+    }
+    fn modified(&self, key: &str) -> Result<Option<SystemTime>, StoreError> {
+        self.place.backend().modified(key)
     }
     fn remove(&self, key: &str) -> Result<(), StoreError> {
         self.place.backend().remove(key)
@@ -242,6 +246,9 @@ fn a_failed_read_is_no_broken_shard() {
         }
         fn size(&self, key: &str) -> Result<Option<u64>, StoreError> {
             self.0.size(key)
+        }
+        fn modified(&self, key: &str) -> Result<Option<SystemTime>, StoreError> {
+            self.0.modified(key)
         }
         fn remove(&self, key: &str) -> Result<(), StoreError> {
             self.0.remove(key)

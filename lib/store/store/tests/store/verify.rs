@@ -2,13 +2,15 @@
 //! making.
 
 use std::io::Write;
+use std::time::Duration;
 
-use store::{Attempt, Failure, Finding, Problem, Scope, Verification, verify};
+use store::{Attempt, Failure, Finding, Problem, Scope, Strays, Verification, remove_strays, verify};
 
 use crate::common::{Bench, SCOPE, STAGE, gnss, identity, key, on_every_backend, run, run_half};
 
 on_every_backend!(
     strays_are_named,
+    old_strays_are_removed_where_all_is_done,
     a_deleted_manifest_is_missed,
     stages_that_failed_say_why,
     what_is_in_the_making_is_no_stray,
@@ -41,6 +43,35 @@ fn strays_are_named(bench: &Bench) {
     named.sort_by(|a, b| a.key.cmp(&b.key));
     assert_eq!(checked(bench).findings, named);
     assert_eq!(named[0].to_string(), "notes.txt: no manifest names this file");
+}
+
+fn old_strays_are_removed_where_all_is_done(bench: &Bench) {
+    let store = &bench.store;
+    run(store, "c", false, &["vehicle_0"]).expect("runs");
+    let of_done = "scenes/0007/sensors/vehicle_0/old.parquet";
+    let kept = ["notes.txt", "plan/old.parquet", "scenes/0008/table.parquet", "scenes/notes.txt"];
+    for stray in kept.iter().chain([&of_done]) {
+        bench.put(stray, b"{}");
+    }
+    let before = store.backend().keys("").expect("lists");
+    let ages = Duration::from_secs(10_000 * 24 * 3600);
+    assert_eq!(remove_strays(store, ages).expect("looks"), Strays { removed: 0, bytes: 0, left: 5 });
+    assert_eq!(store.backend().keys("").expect("lists"), before);
+    // Who cannot read a manifest does not know what belongs to it.
+    let manifest = SCOPE.manifest(STAGE);
+    let sound = store.read(&manifest).expect("reads").expect("is there");
+    bench.put(&manifest, b"{}");
+    assert!(remove_strays(store, Duration::ZERO).is_err());
+    bench.put(&manifest, &sound);
+    assert_eq!(store.backend().keys("").expect("lists"), before);
+    // A stage that another scene has: this one is not done.
+    bench.put("scenes/0008/_manifests/other.json", &sound);
+    assert_eq!(remove_strays(store, Duration::ZERO).expect("looks").removed, 0);
+    store.backend().remove("scenes/0008/_manifests/other.json").expect("removes");
+    let strays = remove_strays(store, Duration::ZERO).expect("removes");
+    assert_eq!(strays, Strays { removed: 1, bytes: 2, left: 4 });
+    let left: Vec<String> = before.into_iter().filter(|key| key != of_done).collect();
+    assert_eq!(store.backend().keys("").expect("lists"), left);
 }
 
 fn a_deleted_manifest_is_missed(bench: &Bench) {

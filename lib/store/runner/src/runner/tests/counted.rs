@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
+use std::time::SystemTime;
 
 use store::{Area, Listing, Shard, Sink, StoreError, Unfinished};
 
@@ -45,6 +46,9 @@ impl Backend for Counting {
     }
     fn size(&self, key: &str) -> Result<Option<u64>, StoreError> {
         self.count("size", key).size(key)
+    }
+    fn modified(&self, key: &str) -> Result<Option<SystemTime>, StoreError> {
+        self.count("modified", key).modified(key)
     }
     fn remove(&self, key: &str) -> Result<(), StoreError> {
         self.count("remove", key).remove(key)
