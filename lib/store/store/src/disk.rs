@@ -57,17 +57,14 @@ impl Disk {
         let unfinished = folder.join(format!(".{owner}~{name}~{}-{number}{UNFINISHED}", self.attempt));
         let mut tries = 0;
         let file = loop {
-            match fs::create_dir_all(folder) {
-                Err(e) if e.kind() == io::ErrorKind::AlreadyExists && !folder.exists() && tries < TRIES => {
-                    tries += 1;
-                    continue;
-                }
-                made => made.map_err(error("make the folder of"))?,
-            }
             match OpenOptions::new().write(true).create_new(true).open(&unfinished) {
-                // The folder went with the last object in it, which another process removed just now.
+                // There is no folder yet; or it went with the last object in it, which another process removed.
                 Err(e) if is_absent(&e) && tries < TRIES => tries += 1,
                 opened => break opened.map_err(error("create"))?,
+            }
+            match fs::create_dir_all(folder) {
+                Err(e) if e.kind() == io::ErrorKind::AlreadyExists && !folder.exists() && tries < TRIES => {}
+                made => made.map_err(error("make the folder of"))?,
             }
         };
         Ok(DiskSink { file: BufWriter::with_capacity(1 << 16, file), unfinished, path, committed: false })
