@@ -111,7 +111,7 @@ def main(programs, rounds="2"):
     with tempfile.TemporaryDirectory() as folder:
         work = pathlib.Path(folder)
         small = work / "tasks.toml"
-        text = (HERE / "configurations/lean.toml").read_text()
+        text = (HERE / "configurations/small.toml").read_text()
         small.write_text(text.replace('"convoy/demo" = 1', '"convoy/demo" = 8'))
         tasks_at_once(convoy, work, os.environ.get("TASKS", small))
         beside_the_disk(convoy, work, os.environ.get("CONFIG", "configs/demo.toml"), int(rounds))

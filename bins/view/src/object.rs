@@ -24,7 +24,7 @@ impl Object {
     /// # Errors
     /// It cannot be read.
     pub(crate) fn open(store: &Store, key: &str) -> Result<Option<Self>, ViewError> {
-        match store.backend().open(key) {
+        match store.backend().open(key, None) {
             Ok(shard) => Ok(Some(Self { shard: shard.into(), place: store.location(key) })),
             Err(StoreError::Missing { .. }) => Ok(None),
             Err(error) => Err(error.into()),

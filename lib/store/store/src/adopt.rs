@@ -39,7 +39,7 @@ impl Store {
 
     /// Whether a shard is here with these very bytes.
     pub(crate) fn holds(&self, output: &Output) -> Result<bool, StoreError> {
-        let shard = match self.backend().open(&output.key) {
+        let shard = match self.backend().open(&output.key, Some(output.bytes)) {
             Err(StoreError::Missing { .. }) => return Ok(false),
             opened => opened?,
         };

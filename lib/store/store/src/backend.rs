@@ -47,11 +47,12 @@ pub trait Backend: Send + Sync {
     /// It exists and cannot be read, or is larger than [`LARGEST_READ`].
     fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError>;
 
-    /// Opens an object for reading parts of it.
+    /// Opens an object for reading parts of it. `bytes` is its size where a manifest or a listing tells it: a
+    /// bucket then answers with one request where two were needed.
     ///
     /// # Errors
     /// It does not exist or cannot be read.
-    fn open(&self, key: &str) -> Result<Box<dyn Shard>, StoreError>;
+    fn open(&self, key: &str, bytes: Option<u64>) -> Result<Box<dyn Shard>, StoreError>;
 
     /// An object's size in bytes, or `None` when it does not exist.
     ///

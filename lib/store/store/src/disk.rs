@@ -212,7 +212,7 @@ impl Backend for Disk {
         }
     }
 
-    fn open(&self, key: &str) -> Result<Box<dyn Shard>, StoreError> {
+    fn open(&self, key: &str, _bytes: Option<u64>) -> Result<Box<dyn Shard>, StoreError> {
         let opened = File::open(self.path(key)).and_then(|file| Ok((file.metadata()?, file)));
         match opened {
             Ok((meta, file)) if meta.is_file() => Ok(Box::new(DiskShard { file, bytes: meta.len() })),

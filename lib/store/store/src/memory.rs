@@ -19,7 +19,7 @@ use crate::error::StoreError;
 /// let place = Memory::default();
 /// assert!(place.put_if_absent("plan/_manifest.json", "spawn-planner", b"first")?);
 /// assert!(!place.put_if_absent("plan/_manifest.json", "spawn-planner", b"second")?);
-/// let object = place.open("plan/_manifest.json")?;
+/// let object = place.open("plan/_manifest.json", None)?;
 /// assert_eq!(object.size(), 5);
 /// assert_eq!(object.read_at(1..3).expect("lies inside"), "ir");
 /// # Ok::<(), store::StoreError>(())
@@ -166,7 +166,7 @@ impl Backend for Memory {
         }
     }
 
-    fn open(&self, key: &str) -> Result<Box<dyn Shard>, StoreError> {
+    fn open(&self, key: &str, _bytes: Option<u64>) -> Result<Box<dyn Shard>, StoreError> {
         match self.inner().objects.get(key) {
             Some((bytes, _)) => Ok(Box::new(Whole(bytes.clone()))),
             None => Err(StoreError::Missing { path: self.location(key) }),

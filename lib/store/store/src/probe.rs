@@ -27,8 +27,8 @@ pub fn probe(store: &Store) -> Result<(), StoreError> {
         if backend.read(&key)?.as_deref() != Some(&first[..]) {
             return Err(unfit("an object is read back with other bytes"));
         }
-        let part =
-            backend.open(&key)?.read_at(3..6).map_err(|e| StoreError::read(&key, "read a part of", e))?;
+        let opened = backend.open(&key, Some(first.len() as u64))?;
+        let part = opened.read_at(3..6).map_err(|e| StoreError::read(&key, "read a part of", e))?;
         if part != first[3..6] {
             return Err(unfit("a part of an object is read back with other bytes"));
         }

@@ -139,7 +139,7 @@ impl Store {
                 None => return Err(StoreError::Missing { path }),
             }
         } else {
-            self.backend().open(key)?
+            self.backend().open(key, Some(output.bytes))?
         };
         match shard.size() {
             found if found != output.bytes => Err(StoreError::Size { path, expected: output.bytes, found }),

@@ -37,16 +37,18 @@ pub fn verify(
     let mut unfinished = store.backend().unfinished("")?;
     unfinished.retain(|upload| upload.owner != keys::LOCKS);
     let mut result = Verification { unfinished, ..Verification::default() };
-    let mut files = store.backend().keys("")?;
+    let mut listed = store.backend().list("")?.objects;
     // Who is at work is nothing of the dataset.
-    files.retain(|key| !keys::is_lock(key));
+    listed.retain(|object| !keys::is_lock(&object.key));
+    let (files, sizes): (Vec<String>, Vec<u64>) = listed.into_iter().map(|o| (o.key, o.bytes)).unzip();
+    let size_of = |key: &String| Some(sizes[files.binary_search(key).ok()?]);
     let known = known(store, &files, &mut result.findings, |findings, key, text, manifest| {
         result.manifests += 1;
         if !is_as_written(text, manifest) {
             let problem = Problem::Manifest("does not fit its own checksum: changed".to_owned());
             findings.push(Finding { key: key.to_owned(), manifest: None, problem });
         }
-        let checked = check_outputs(store, key, manifest, &mut on_shard)?;
+        let checked = check_outputs(store, key, manifest, &size_of, &mut on_shard)?;
         result.shards += manifest.outputs.len();
         result.bytes += manifest.outputs.iter().map(|output| output.bytes).sum::<u64>();
         findings.extend(checked);
@@ -85,9 +87,12 @@ fn check_outputs(
     store: &Store,
     key: &str,
     manifest: &Manifest,
+    size_of: &(impl Fn(&String) -> Option<u64> + Sync),
     on_shard: &mut impl FnMut(&str),
 ) -> Result<Vec<Finding>, StoreError> {
-    let problems = side_by_side(&manifest.outputs, store.backend().at_once(), |output| check(store, output))?;
+    let problems = side_by_side(&manifest.outputs, store.backend().at_once(), |output| {
+        check(store, output, size_of(&output.key))
+    })?;
     let mut findings = Vec::new();
     for (output, problem) in manifest.outputs.iter().zip(problems) {
         if let Some(problem) = problem {
@@ -98,8 +103,9 @@ fn check_outputs(
     Ok(findings)
 }
 
-fn check(store: &Store, output: &Output) -> Result<Option<Problem>, StoreError> {
-    let shard = match store.backend().open(&output.key) {
+/// `listed` is the size that the place tells.
+fn check(store: &Store, output: &Output, listed: Option<u64>) -> Result<Option<Problem>, StoreError> {
+    let shard = match store.backend().open(&output.key, listed) {
         Err(StoreError::Missing { .. }) => return Ok(Some(Problem::Missing)),
         opened => opened?,
     };

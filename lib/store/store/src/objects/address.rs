@@ -89,7 +89,7 @@ pub(crate) fn open(scheme: &str, rest: &str) -> Option<Result<Objects, StoreErro
     Some(match opened {
         Ok((service, looked_at)) => {
             let name = format!("{scheme}://{}", address.bucket);
-            let bucket = Objects::new(service, &name, &address.folder, address.kind != Kind::Azure);
+            let bucket = Objects::new(service, &name, &address.folder);
             Ok(bucket.let_in_by(&looked_at))
         }
         Err(Unready { problem, looked_at }) => {

@@ -27,21 +27,18 @@ pub struct Objects {
     bucket: String,
     /// The folder in it, without `/` at its end; `""` for all of the bucket.
     folder: String,
-    /// Whether the end of an object of unknown size can be asked for.
-    knows_suffix: bool,
     parts: Arc<Semaphore>,
     /// Names of the variables and files that gave credentials, for messages.
     credentials: Arc<str>,
 }
 
 impl Objects {
-    /// The store in a folder of a bucket, `""` for all of it. `bucket` is its URL, for messages; not every
-    /// service can be asked for the end of an object alone.
+    /// The store in a folder of a bucket, `""` for all of it. `bucket` is its URL, for messages.
     #[must_use]
-    pub fn new(service: Arc<dyn ObjectStore>, bucket: &str, folder: &str, knows_suffix: bool) -> Self {
+    pub fn new(service: Arc<dyn ObjectStore>, bucket: &str, folder: &str) -> Self {
         let (bucket, folder) = (bucket.to_owned(), folder.to_owned());
         let (parts, credentials) = (Arc::new(Semaphore::new(UNDER_WAY)), "what the program gave".into());
-        Self { service, bucket, folder, knows_suffix, parts, credentials }
+        Self { service, bucket, folder, parts, credentials }
     }
 
     /// Says where credentials were looked for.
@@ -179,8 +176,8 @@ impl Backend for Objects {
         }
     }
 
-    fn open(&self, key: &str) -> Result<Box<dyn Shard>, StoreError> {
-        let opened = Ranges::open(Arc::clone(&self.service), self.path(key)?, self.knows_suffix);
+    fn open(&self, key: &str, bytes: Option<u64>) -> Result<Box<dyn Shard>, StoreError> {
+        let opened = Ranges::open(Arc::clone(&self.service), self.path(key)?, bytes);
         Ok(Box::new(opened.map_err(self.read_failed(key, "open"))?))
     }
 

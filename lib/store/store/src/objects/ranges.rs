@@ -78,28 +78,35 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Ranges {
-    /// Opens an object; its end comes along.
+    /// Opens an object; its end comes along. Where its size is not told it is asked for: of a service that is
+    /// asked for the end of an object alone, some know nothing, and some fail where the object is shorter.
     pub(super) fn open(
         service: Arc<dyn ObjectStore>,
         path: Path,
-        knows_suffix: bool,
+        told: Option<u64>,
     ) -> Result<Self, Failure> {
+        let size = || async { Ok::<u64, Failure>(service.head(&path).await?.size) };
         let (bytes, from, tail) = wait(read(|| async {
-            if !knows_suffix {
-                let found = service.head(&path).await?;
-                return Ok((found.size, found.size, Bytes::new()));
-            }
-            let options = GetOptions::new().with_range(Some(GetRange::Suffix(TAIL)));
-            let found = match service.get_opts(&path, options).await {
-                Ok(found) => found,
-                // What holds nothing has no end.
-                Err(answer) => match service.head(&path).await {
-                    Ok(found) if found.size == 0 => return Ok((0, 0, Bytes::new())),
-                    _ => return Err(answer.into()),
-                },
+            let bytes = match told {
+                Some(bytes) => bytes,
+                None => size().await?,
             };
-            let (bytes, from) = (found.meta.size, found.range.start);
-            Ok((bytes, from, found.bytes().await?))
+            if bytes == 0 {
+                return Ok((size().await?, 0, Bytes::new()));
+            }
+            let wanted = bytes.saturating_sub(TAIL)..bytes;
+            let options = GetOptions::new().with_range(Some(GetRange::Bounded(wanted.clone())));
+            let found = match service.get_opts(&path, options).await.map_err(Failure::from) {
+                Ok(found) if found.meta.size == bytes && found.range == wanted => found,
+                // It has another size than was told.
+                Ok(found) => return Ok((found.meta.size, found.meta.size, Bytes::new())),
+                Err(Failure::Refused(told)) => match size().await {
+                    Ok(found) if found < bytes => return Ok((found, found, Bytes::new())),
+                    _ => return Err(Failure::Refused(told)),
+                },
+                Err(failure) => return Err(failure),
+            };
+            Ok((bytes, wanted.start, found.bytes().await?))
         }))?;
         Ok(Self { service, path, bytes, tail: (from, tail), kept: Mutex::default() })
     }

@@ -122,7 +122,7 @@ impl MultipartUpload for Parts {
 fn store(faults: &[Fault]) -> (Arc<Service>, Store) {
     let faults = Arc::new(Mutex::new(faults.iter().rev().copied().collect()));
     let service = Arc::new(Service { faults, ..Service::default() });
-    let store = Store::new(Arc::new(Objects::new(service.clone(), "test://bucket", "set", true)));
+    let store = Store::new(Arc::new(Objects::new(service.clone(), "test://bucket", "set")));
     (service, store)
 }
 
@@ -143,7 +143,7 @@ fn large_objects_go_up_in_parts_and_come_back_in_ranges() {
     let bytes = many(12 << 20);
     write(&store, "large", &bytes).expect("commits");
     assert_eq!((service.parts.load(Ordering::Relaxed), service.puts.load(Ordering::Relaxed)), (3, 0));
-    let shard = store.backend().open("large").expect("opens");
+    let shard = store.backend().open("large", None).expect("opens");
     assert_eq!(shard.size(), bytes.len() as u64);
     let end = bytes.len() as u64;
     let edge = end - (64 << 10);

@@ -75,14 +75,14 @@ fn columns_that_nobody_asks_for_are_not_read(bench: &Bench) {
 
 fn parts_of_an_object_are_read_alone(bench: &Bench) {
     bench.put("a/b", b"0123456789");
-    let shard = bench.store.backend().open("a/b").expect("opens");
+    let shard = bench.store.backend().open("a/b", None).expect("opens");
     assert_eq!(shard.size(), 10);
     assert_eq!(shard.read_at(3..7).expect("reads"), "3456");
     assert_eq!(shard.read_at(0..10).expect("reads"), "0123456789");
     assert!(shard.read_at(10..10).expect("is empty").is_empty());
     assert!(shard.read_at(8..11).is_err(), "beyond its end");
-    assert!(matches!(bench.store.backend().open("a"), Err(StoreError::Missing { .. })));
-    assert!(matches!(bench.store.backend().open("a/c"), Err(StoreError::Missing { .. })));
+    assert!(matches!(bench.store.backend().open("a", None), Err(StoreError::Missing { .. })));
+    assert!(matches!(bench.store.backend().open("a/c", None), Err(StoreError::Missing { .. })));
     assert_eq!(bench.store.backend().size("a/c").expect("asks"), None);
     // Folders end where their name does.
     bench.put("ab/c", b"");

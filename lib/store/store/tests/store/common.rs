@@ -42,7 +42,7 @@ impl Bench {
 
     pub(crate) fn in_bucket() -> Self {
         let service = Arc::new(object_store::memory::InMemory::new());
-        let store = Store::new(Arc::new(Objects::new(service, "test://bucket", "a set", true)));
+        let store = Store::new(Arc::new(Objects::new(service, "test://bucket", "a set")));
         Self { store, place: Place::Bucket }
     }
 
@@ -52,7 +52,7 @@ impl Bench {
         let folder = format!("{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed));
         let store = match std::env::var("CONVOY_TEST_STORE") {
             Ok(bucket) => Store::open(format!("{bucket}/{folder}")).expect("a folder of a bucket is a place"),
-            Err(_) => Store::new(Arc::new(Objects::new(service(), "s3://sets", &folder, true))),
+            Err(_) => Store::new(Arc::new(Objects::new(service(), "s3://sets", &folder))),
         };
         Self { store, place: Place::Service }
     }

@@ -87,8 +87,8 @@ impl Backend for Failing {
     fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
         self.place.backend().read(key)
     }
-    fn open(&self, key: &str) -> Result<Box<dyn Shard>, StoreError> {
-        self.place.backend().open(key)
+    fn open(&self, key: &str, bytes: Option<u64>) -> Result<Box<dyn Shard>, StoreError> {
+        self.place.backend().open(key, bytes)
     }
     fn size(&self, key: &str) -> Result<Option<u64>, StoreError> {
         self.place.backend().size(key)
@@ -241,7 +241,7 @@ fn a_failed_read_is_no_broken_shard() {
             }
             self.0.read(key)
         }
-        fn open(&self, key: &str) -> Result<Box<dyn Shard>, StoreError> {
+        fn open(&self, key: &str, bytes: Option<u64>) -> Result<Box<dyn Shard>, StoreError> {
             Ok(Box::new(NoShard(self.0.size(key)?.unwrap_or_default())))
         }
         fn size(&self, key: &str) -> Result<Option<u64>, StoreError> {

@@ -41,8 +41,8 @@ impl Backend for Counting {
     fn read(&self, key: &str) -> Result<Option<Vec<u8>>, StoreError> {
         self.count("read", key).read(key)
     }
-    fn open(&self, key: &str) -> Result<Box<dyn Shard>, StoreError> {
-        self.count("open", key).open(key)
+    fn open(&self, key: &str, bytes: Option<u64>) -> Result<Box<dyn Shard>, StoreError> {
+        self.count("open", key).open(key, bytes)
     }
     fn size(&self, key: &str) -> Result<Option<u64>, StoreError> {
         self.count("size", key).size(key)
