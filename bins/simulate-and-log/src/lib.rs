@@ -91,8 +91,8 @@ fn run(job: &mut Job<'_, SimulationSettings>) -> Result<(), StageError> {
     actors.append(&mut world.actors);
     signals::describe(&map, &log.signal_groups, &settings.traffic, &mut actors);
     check_ids(&actors.iter().map(|a| a.id).collect::<Vec<_>>()).at(|| place.clone())?;
-    let grounds = world.indices().map(|index| tiles.surfaces(index));
-    ground::stand(grounds, &mut actors, &mut log.states).map_err(|error| failed(error, &place))?;
+    ground::stand(tiles.surfaces_of(world.indices()), &mut actors, &mut log.states)
+        .map_err(|error| failed(error, &place))?;
     bodies.walk(&mut log.states);
 
     let mut info = info::scene_info((&plan, &weather), &agents, &log, &map, &settings)?;

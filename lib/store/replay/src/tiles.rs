@@ -9,13 +9,12 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use catalogue::Catalogue;
 use land::tiles::{Tile, TileMaker};
 use opendrive::Map;
-use rayon::prelude::*;
 use schema::Layer;
 use schema::geometry::SurfaceMesh;
 use schema::tables::{SurfaceRow, TILE_STAGE, TileObjectRow};
 use schema::tile::TileIndex;
 use settings::SceneryRules;
-use store::{Attempt, Identity, MadeBy, Manifest, Scope, Store, StoreError, keys};
+use store::{Attempt, Identity, MadeBy, Manifest, Scope, Store, StoreError, keys, side_by_side};
 
 /// A tile cannot be had.
 #[derive(Debug, thiserror::Error)]
@@ -126,10 +125,9 @@ impl<'a> TileStore<'a> {
             let known = known();
             wanted.iter().copied().filter(|index| !known.contains_key(index)).collect()
         };
-        let found: Vec<Arc<KnownTile>> = missing
-            .into_par_iter()
-            .map(|index| self.load_or_make(index).map(Arc::new))
-            .collect::<Result<_, _>>()?;
+        // Those who wait for a bucket need no core.
+        let at_once = self.store.backend().at_once().max(rayon::current_num_threads());
+        let found = side_by_side(&missing, at_once, |&index| self.load_or_make(index).map(Arc::new))?;
         let mut known = known();
         known.extend(found.into_iter().map(|tile| (tile.index, tile)));
         Ok(wanted.iter().filter_map(|index| known.get(index).cloned()).collect())
@@ -143,6 +141,23 @@ impl<'a> TileStore<'a> {
         // It may have been taken away since it was made.
         let manifest = self.manifest_or_make(index)?.0;
         self.read_surfaces(&manifest, index)
+    }
+
+    /// The same of many tiles, in their order. As many are read side by side as the place is worth asking.
+    pub fn surfaces_of(
+        &self,
+        indices: impl Iterator<Item = TileIndex>,
+    ) -> impl Iterator<Item = Result<Vec<SurfaceMesh>, TileError>> {
+        let at_once = self.store.backend().at_once();
+        let mut left = indices;
+        let some = std::iter::from_fn(move || {
+            let some: Vec<TileIndex> = left.by_ref().take(at_once).collect();
+            (!some.is_empty()).then(|| side_by_side(&some, at_once, |&index| self.surfaces(index)))
+        });
+        some.flat_map(|found| match found {
+            Ok(found) => found.into_iter().map(Ok).collect(),
+            Err(error) => vec![Err(error)],
+        })
     }
 
     fn read_surfaces(&self, manifest: &Manifest, index: TileIndex) -> Result<Vec<SurfaceMesh>, TileError> {
@@ -177,11 +192,7 @@ impl<'a> TileStore<'a> {
         };
         let attempt = match Attempt::start_once(self.store, identity)? {
             Ok(attempt) => attempt,
-            Err(manifest) => {
-                // The process that put it there may have been killed just then.
-                Attempt::tidy(self.store, Scope::Tile { set: self.set, index }, TILE_STAGE)?;
-                return Ok((manifest, None));
-            }
+            Err(manifest) => return Ok((manifest, None)),
         };
         let tile =
             self.maker.get_or_init(|| TileMaker::new(self.map, self.rules, self.catalogue)).make(index);

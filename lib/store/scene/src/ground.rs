@@ -3,7 +3,7 @@
 use schema::geometry::SurfaceMesh;
 use schema::tables::{SceneTileRow, SurfaceRow, TILE_STAGE};
 use schema::tile::TileIndex;
-use store::{Scope, keys};
+use store::{Scope, keys, side_by_side};
 
 use crate::{SceneError, SceneReader};
 
@@ -13,18 +13,12 @@ use crate::{SceneError, SceneReader};
 /// As [`SceneReader::rows`]; or a tile is not there any more, or not the one that the scene was simulated
 /// with.
 pub fn read_ground(scene: &SceneReader) -> Result<Vec<SurfaceMesh>, SceneError> {
-    let mut ground = Vec::new();
-    for tile in scene.rows::<SceneTileRow>()? {
-        add_tile(scene, &tile, &mut ground)?;
-    }
-    Ok(ground)
+    let tiles = scene.rows::<SceneTileRow>()?;
+    let at_once = scene.store().backend().at_once();
+    Ok(side_by_side(&tiles, at_once, |tile| read_tile(scene, tile))?.into_iter().flatten().collect())
 }
 
-fn add_tile(
-    scene: &SceneReader,
-    tile: &SceneTileRow,
-    ground: &mut Vec<SurfaceMesh>,
-) -> Result<(), SceneError> {
+fn read_tile(scene: &SceneReader, tile: &SceneTileRow) -> Result<Vec<SurfaceMesh>, SceneError> {
     let store = scene.store();
     let wrong = |path: String, problem| SceneError::Tile { path, scene: scene.scene(), problem };
     let index = TileIndex { x: tile.x, y: tile.y };
@@ -37,9 +31,7 @@ fn add_tile(
         return Err(wrong(path(), "is another tile than that of the scene"));
     }
     let key = keys::tile(set, index, "surfaces");
-    for row in store.read_rows::<SurfaceRow>(&manifest, &key)? {
-        let broken = || wrong(store.location(&key), "has columns that do not fit together");
-        ground.push(row.mesh().ok_or_else(broken)?);
-    }
-    Ok(())
+    let broken = || wrong(store.location(&key), "has columns that do not fit together");
+    let rows: Vec<SurfaceRow> = store.read_rows(&manifest, &key)?;
+    rows.iter().map(|row| row.mesh().ok_or_else(broken)).collect()
 }

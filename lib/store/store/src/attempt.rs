@@ -69,6 +69,8 @@ pub struct Attempt {
     earlier: Earlier,
     so_far: Mutex<SoFar>,
     sections: BTreeMap<String, String>,
+    /// Nothing was there, and all is made within moments: no records of units are kept, and none taken away.
+    is_brief: bool,
 }
 
 /// Shards of earlier tries that may be kept, and whether they are certainly as they were written: those of a
@@ -96,6 +98,12 @@ impl Earlier {
 }
 
 impl Identity {
+    /// Whether a manifest is of this code, configuration and inputs.
+    fn is_of(&self, manifest: &Manifest) -> bool {
+        (&manifest.code_version, &manifest.config_hash, &manifest.inputs)
+            == (&self.code_version, &self.config_hash, &self.inputs)
+    }
+
     /// Whether what an earlier try made is what this build would make.
     fn may_go_on_from(&self, record: &Manifest) -> bool {
         match (&self.made_by, &record.made_by) {
@@ -138,7 +146,8 @@ impl Attempt {
             None => Self::go_on(store, &identity, force)?,
         };
         let so_far = Mutex::new(SoFar { old_stands, outputs: Vec::new() });
-        Ok(Self { store: store.clone(), identity, redo, earlier, so_far, sections: BTreeMap::new() })
+        let (sections, is_brief) = (BTreeMap::new(), false);
+        Ok(Self { store: store.clone(), identity, redo, earlier, so_far, sections, is_brief })
     }
 
     /// Takes up what a try left that was stopped after it had set the old manifest aside, or had none. What
@@ -154,9 +163,7 @@ impl Attempt {
         for key in store.backend().keys(&scope.parts(stage))? {
             let Some(part) = sound(store.read_json::<Manifest>(&key))? else { continue };
             earlier.add(&part, identity, force);
-            let is_same = (&part.code_version, &part.config_hash, &part.inputs)
-                == (&identity.code_version, &identity.config_hash, &identity.inputs);
-            if !is_same {
+            if !identity.is_of(&part) {
                 redo.replaces.extend(part.outputs.into_iter().map(|output| output.key));
             }
         }
@@ -174,20 +181,40 @@ impl Attempt {
         self.so_far.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Starts a try where none of the same identity has ended: what is named by its content is made once. Its
-    /// manifest comes back instead where it stands and everything it names is there. Several processes may
-    /// try at once: each writes the same bytes, and no manifest that stands is taken away.
+    /// Starts a try where none of the same identity has ended: what is named by its content is made once, and
+    /// within moments. Its manifest comes back instead where it stands and everything it names is there.
+    /// Several processes may try at once: each writes the same bytes, and no manifest that stands is taken
+    /// away.
     ///
     /// # Errors
     /// As [`Attempt::start`].
     pub fn start_once(store: &Store, identity: Identity) -> Result<Result<Self, Manifest>, StoreError> {
+        let (scope, stage) = (identity.scope, identity.stage.as_str());
+        let listing = store.backend().list(&scope.folder())?;
+        let manifest_key = scope.manifest(stage);
+        if !listing.has_unfinished && listing.objects.is_empty() {
+            let so_far = Mutex::new(SoFar { old_stands: false, outputs: Vec::new() });
+            let (redo, earlier, sections) = (Redo::default(), Earlier::default(), BTreeMap::new());
+            let store = store.clone();
+            return Ok(Ok(Self { store, identity, redo, earlier, so_far, sections, is_brief: true }));
+        }
+        let sizes: BTreeMap<&str, u64> = listing.objects.iter().map(|o| (o.key.as_str(), o.bytes)).collect();
+        if sizes.contains_key(manifest_key.as_str())
+            && let Some(manifest) = sound(store.manifest(scope, stage))?
+            && identity.is_of(&manifest)
+            && manifest.outputs.iter().all(|output| sizes.get(output.key.as_str()) == Some(&output.bytes))
+        {
+            if listing.has_unfinished || sizes.len() > manifest.outputs.len() + 1 {
+                // The process that put it there may have been killed just then.
+                Self::tidy(store, scope, stage)?;
+            }
+            return Ok(Err(manifest));
+        }
         let attempt = Self::start(store, identity, false)?;
-        // Where none stood at the start, one that another process has put there since is never taken away.
+        // One that another process has put there since the look is never taken away.
         if attempt.so_far().old_stands
             && let Some(manifest) = sound(store.manifest(attempt.identity.scope, &attempt.identity.stage))?
-            && manifest.code_version == attempt.identity.code_version
-            && manifest.config_hash == attempt.identity.config_hash
-            && manifest.inputs == attempt.identity.inputs
+            && attempt.identity.is_of(&manifest)
             && store.outputs_present(&manifest)?
         {
             return Ok(Err(manifest));
@@ -254,7 +281,9 @@ impl Attempt {
     /// The store cannot be read.
     pub fn unit(&self, name: &str) -> Result<Option<Unit<'_>>, StoreError> {
         let key = self.identity.scope.part(&self.identity.stage, name);
-        if let Some(part) = sound(self.store.read_json::<Manifest>(&key))? {
+        if !self.is_brief
+            && let Some(part) = sound(self.store.read_json::<Manifest>(&key))?
+        {
             let same = Manifest { outputs: part.outputs.clone(), ..self.manifest_of(Vec::new()) };
             if part.digest() == same.digest()
                 && self.identity.may_go_on_from(&part)
@@ -318,7 +347,9 @@ impl Attempt {
             backend.remove(key)?;
         }
         self.store.commit_manifest(&scope.manifest(stage), &manifest)?;
-        Self::tidy(&self.store, scope, stage)?;
+        if !self.is_brief {
+            Self::tidy(&self.store, scope, stage)?;
+        }
         Ok(manifest)
     }
 
@@ -460,11 +491,16 @@ impl Unit<'_> {
             return Err(StoreError::Twice { path: attempt.store.location(&output.key) });
         }
         attempt.set_old_aside(&mut so_far)?;
+        let backend = attempt.store.backend();
+        let mut outputs = kept;
+        if attempt.is_brief {
+            so_far.outputs.extend(write::commit(shards, backend.at_once())?);
+            return Ok(());
+        }
         let record = attempt.identity.scope.part(&attempt.identity.stage, &name);
         // One of another identity, whose shards are replaced now.
-        attempt.store.backend().remove(&record)?;
-        let mut outputs = kept;
-        outputs.extend(write::commit(shards, attempt.store.backend().at_once())?);
+        backend.remove(&record)?;
+        outputs.extend(write::commit(shards, backend.at_once())?);
         let part = attempt.manifest_of(outputs);
         attempt.store.write_json(&record, &attempt.identity.stage, &part)?;
         so_far.outputs.extend(part.outputs);

@@ -175,6 +175,20 @@ pub trait Shard: Send + Sync {
     fn will_read(&self, _range: Range<u64>) {}
 }
 
+impl<S: Shard + ?Sized> Shard for std::sync::Arc<S> {
+    fn size(&self) -> u64 {
+        (**self).size()
+    }
+
+    fn read_at(&self, range: Range<u64>) -> std::io::Result<Bytes> {
+        (**self).read_at(range)
+    }
+
+    fn will_read(&self, range: Range<u64>) {
+        (**self).will_read(range);
+    }
+}
+
 /// A whole object in memory.
 pub(crate) struct Whole(pub(crate) Bytes);
 

@@ -16,6 +16,10 @@ use schema::table::{Column, ColumnError, Row};
 use crate::shard::Chunks;
 use crate::{StoreError, convert};
 
+/// So many bytes ahead the place is told of what is read, and the most that is read in one go because of that.
+const TOLD_AHEAD: u64 = 8 << 20;
+const TOLD_AT_ONCE: u64 = 1 << 20;
+
 /// Rows of a table, some at a time.
 pub struct RowGroups<R> {
     reader: ParquetRecordBatchReader,
@@ -58,21 +62,39 @@ impl<R: Row> RowGroups<R> {
         Ok(())
     }
 
-    /// Tells the place which groups are read now and next.
+    /// Tells the place which groups are read now and next: many small ones in one go.
     fn announce(&mut self) {
         let Some(first) = self.wanted.first().map(|range| range.start) else { return };
         let is_wanted = |group: &Range<usize>| {
             self.wanted.iter().any(|range| range.start < group.end && group.start < range.end)
         };
         let groups = self.table.groups().enumerate().skip_while(|(_, group)| group.end <= first);
-        for (i, _) in groups.filter(|(_, group)| is_wanted(group)).take(2) {
-            if i >= self.untold {
-                self.untold = i + 1;
-                if let Some(bytes) = self.table.bytes_of(i) {
-                    self.table.chunks.will_read(bytes);
+        let groups = groups.filter(|(_, group)| is_wanted(group));
+        let mut coming = groups.filter_map(|(i, _)| Some((i, self.table.bytes_of(i)?))).peekable();
+        let (mut ahead, mut number) = (0, 0);
+        while let Some((_, bytes)) = coming.next_if(|(i, _)| *i < self.untold) {
+            ahead += bytes.end - bytes.start;
+            number += 1;
+        }
+        if number > 1 && ahead > TOLD_AHEAD / 2 {
+            return;
+        }
+        let mut told: Vec<Range<u64>> = Vec::new();
+        for (i, bytes) in coming {
+            if number > 1 && ahead > TOLD_AHEAD {
+                break;
+            }
+            ahead += bytes.end - bytes.start;
+            number += 1;
+            self.untold = i + 1;
+            match told.last_mut() {
+                Some(last) if last.end <= bytes.start && bytes.end - last.start <= TOLD_AT_ONCE => {
+                    last.end = bytes.end;
                 }
+                _ => told.push(bytes),
             }
         }
+        told.into_iter().for_each(|bytes| self.table.chunks.will_read(bytes));
     }
 
     /// Takes so many rows off those that are wanted.

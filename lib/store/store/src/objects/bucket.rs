@@ -1,7 +1,7 @@
 //! A folder of a bucket as a place of storage.
 
-use std::collections::BTreeSet;
-use std::sync::Arc;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Instant, SystemTime};
 
 use bytes::Bytes;
@@ -28,6 +28,8 @@ pub struct Objects {
     /// The folder in it, without `/` at its end; `""` for all of the bucket.
     folder: String,
     parts: Arc<Semaphore>,
+    /// What is open: who reads the same object shares what was fetched of it.
+    opened: Mutex<BTreeMap<Path, Weak<Ranges>>>,
     /// Names of the variables and files that gave credentials, for messages.
     credentials: Arc<str>,
 }
@@ -38,7 +40,7 @@ impl Objects {
     pub fn new(service: Arc<dyn ObjectStore>, bucket: &str, folder: &str) -> Self {
         let (bucket, folder) = (bucket.to_owned(), folder.to_owned());
         let (parts, credentials) = (Arc::new(Semaphore::new(UNDER_WAY)), "what the program gave".into());
-        Self { service, bucket, folder, parts, credentials }
+        Self { service, bucket, folder, parts, opened: Mutex::default(), credentials }
     }
 
     /// Says where credentials were looked for.
@@ -177,8 +179,19 @@ impl Backend for Objects {
     }
 
     fn open(&self, key: &str, bytes: Option<u64>) -> Result<Box<dyn Shard>, StoreError> {
-        let opened = Ranges::open(Arc::clone(&self.service), self.path(key)?, bytes);
-        Ok(Box::new(opened.map_err(self.read_failed(key, "open"))?))
+        let path = self.path(key)?;
+        let opened = || self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = opened().get(&path).and_then(Weak::upgrade)
+            && bytes == Some(found.size())
+        {
+            return Ok(Box::new(found));
+        }
+        let found = Ranges::open(Arc::clone(&self.service), path.clone(), bytes);
+        let found = Arc::new(found.map_err(self.read_failed(key, "open"))?);
+        let mut opened = opened();
+        opened.retain(|_, found| found.strong_count() > 0);
+        opened.insert(path, Arc::downgrade(&found));
+        Ok(Box::new(found))
     }
 
     fn size(&self, key: &str) -> Result<Option<u64>, StoreError> {

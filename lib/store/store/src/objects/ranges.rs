@@ -20,8 +20,10 @@ const AHEAD: Range<u64> = 64 << 10..1 << 20;
 const BUFFERED: u64 = 16 << 10;
 /// The most that a hint fetches.
 const LARGEST_HINT: u64 = 32 << 20;
-/// Blocks that are kept besides the end: what is being read, and what comes next.
-const KEPT: usize = 4;
+/// Blocks that are kept besides the end, and their bytes, as far as they have been read: what is being read,
+/// and what comes next.
+const KEPT: usize = 12;
+const KEPT_BYTES: u64 = 12 << 20;
 
 /// An open object.
 pub(super) struct Ranges {
@@ -29,7 +31,33 @@ pub(super) struct Ranges {
     path: Path,
     bytes: u64,
     tail: (u64, Bytes),
-    kept: Mutex<Vec<Arc<Block>>>,
+    kept: Mutex<Kept>,
+}
+
+/// Blocks, the one that was used last at the end.
+#[derive(Default)]
+struct Kept {
+    blocks: Vec<Arc<Block>>,
+    /// Where was read last.
+    at: u64,
+}
+
+impl Kept {
+    /// Makes room for a block of so many bytes: what has been read goes first.
+    fn make_room(&mut self, bytes: u64) {
+        loop {
+            let is_full = self.blocks.len() >= KEPT;
+            let held: u64 = self.blocks.iter().map(|block| block.range.end - block.range.start).sum();
+            if !is_full && held + bytes <= KEPT_BYTES {
+                return;
+            }
+            match self.blocks.iter().position(|block| block.range.end <= self.at) {
+                Some(passed) => drop(self.blocks.remove(passed)),
+                None if is_full => drop(self.blocks.remove(0)),
+                None => return,
+            }
+        }
+    }
 }
 
 /// Bytes, or why there are none: an error that several can be told.
@@ -38,13 +66,15 @@ type Answer = Result<Bytes, (io::ErrorKind, String)>;
 /// A part that was fetched or is being fetched.
 struct Block {
     range: Range<u64>,
+    /// Who reads told of it, and tells what comes next.
+    is_told: bool,
     answer: Mutex<Option<Answer>>,
     told: Condvar,
 }
 
 impl Block {
-    fn new(range: Range<u64>) -> Arc<Self> {
-        Arc::new(Self { range, answer: Mutex::new(None), told: Condvar::new() })
+    fn new(range: Range<u64>, is_told: bool) -> Arc<Self> {
+        Arc::new(Self { range, is_told, answer: Mutex::new(None), told: Condvar::new() })
     }
 
     fn tell(&self, answer: Result<Bytes, Failure>) {
@@ -112,33 +142,57 @@ impl Ranges {
     }
 
     /// A block that holds a range: one that is there or under way, else a new one.
-    fn block(&self, range: &Range<u64>, fetched: Range<u64>) -> (Arc<Block>, bool) {
+    fn block(&self, range: &Range<u64>, fetched: Range<u64>, is_told: bool) -> (Arc<Block>, bool) {
         let mut kept = lock(&self.kept);
         let holds = |block: &Arc<Block>| block.range.start <= range.start && range.end <= block.range.end;
-        kept.retain(|block| !block.has_failed());
-        if let Some(at) = kept.iter().position(holds) {
+        kept.blocks.retain(|block| !block.has_failed());
+        if let Some(at) = kept.blocks.iter().position(holds) {
             // What was used last goes last.
-            let block = kept.remove(at);
-            kept.push(Arc::clone(&block));
+            let block = kept.blocks.remove(at);
+            kept.blocks.push(Arc::clone(&block));
             return (block, false);
         }
-        let block = Block::new(fetched);
-        if kept.len() == KEPT {
-            kept.remove(0);
-        }
-        kept.push(Arc::clone(&block));
+        kept.make_room(fetched.end - fetched.start);
+        let block = Block::new(fetched, is_told);
+        kept.blocks.push(Arc::clone(&block));
         (block, true)
     }
 
+    /// Whether a range follows what was read: then how long that was.
+    fn read_on(&self, range: &Range<u64>) -> Option<u64> {
+        let mut kept = lock(&self.kept);
+        kept.at = range.start;
+        // Several may read, each on from its own place.
+        let before = |block: &&Arc<Block>| (block.range.start..=block.range.end).contains(&range.start);
+        let last = kept.blocks.iter().rev().find(before)?;
+        Some(last.range.end - last.range.start)
+    }
+
     /// How much is fetched where a range is asked for: more and more where one follows the other.
-    fn with_what_follows(&self, range: &Range<u64>) -> Range<u64> {
-        let last = lock(&self.kept).last().map(|block| block.range.clone());
-        let ahead = match last {
-            Some(last) if (last.start..=last.end).contains(&range.start) => 2 * (last.end - last.start),
-            _ => AHEAD.start,
-        };
-        let wanted = (range.end - range.start).max(ahead.min(AHEAD.end));
+    fn with_what_follows(&self, range: &Range<u64>, read_on: Option<u64>) -> Range<u64> {
+        let ahead = read_on.map_or(AHEAD.start, |bytes| 2 * bytes).min(AHEAD.end);
+        let wanted = (range.end - range.start).max(ahead);
         range.start..(range.start + wanted).min(self.bytes).max(range.end)
+    }
+
+    /// Fetches a block in the background, if nobody has.
+    fn fetch_ahead(&self, range: &Range<u64>, fetched: Range<u64>, is_told: bool) {
+        if range.is_empty() || range.start >= self.tail.0 {
+            return;
+        }
+        let (block, is_new) = self.block(range, fetched, is_told);
+        if !is_new {
+            return;
+        }
+        let (service, path, size) = (Arc::clone(&self.service), self.path.clone(), self.bytes);
+        let fetched = Arc::clone(&block);
+        let request = async move {
+            let range = fetched.range.clone();
+            fetched.tell(fetch(service.as_ref(), &path, range, size).await);
+        };
+        if let Err(error) = start(request) {
+            block.tell(Err(error.into()));
+        }
     }
 }
 
@@ -184,31 +238,24 @@ impl Shard for Ranges {
         if range.start >= self.tail.0 {
             return part(&self.tail.1, self.tail.0);
         }
-        let (block, is_new) = self.block(&range, self.with_what_follows(&range));
+        let read_on = self.read_on(&range);
+        let (block, is_new) = self.block(&range, self.with_what_follows(&range, read_on), false);
         if is_new {
             let answer = wait(fetch(self.service.as_ref(), &self.path, block.range.clone(), self.bytes));
             block.tell(answer);
+        }
+        if let Some(bytes) = read_on.filter(|_| !block.is_told) {
+            let next = block.range.end..(block.range.end + 1).min(self.bytes);
+            let fetched = self.with_what_follows(&next, Some(bytes));
+            self.fetch_ahead(&next, fetched, false);
         }
         part(&block.bytes()?, block.range.start)
     }
 
     fn will_read(&self, range: Range<u64>) {
         let range = range.start..range.end.saturating_add(BUFFERED).min(self.bytes);
-        if range.is_empty() || range.start >= self.tail.0 || range.end - range.start > LARGEST_HINT {
-            return;
-        }
-        let (block, is_new) = self.block(&range, range.clone());
-        if !is_new {
-            return;
-        }
-        let (service, path, size) = (Arc::clone(&self.service), self.path.clone(), self.bytes);
-        let fetched = Arc::clone(&block);
-        let request = async move {
-            let range = fetched.range.clone();
-            fetched.tell(fetch(service.as_ref(), &path, range, size).await);
-        };
-        if let Err(error) = start(request) {
-            block.tell(Err(error.into()));
+        if range.end - range.start.min(range.end) <= LARGEST_HINT {
+            self.fetch_ahead(&range, range.clone(), true);
         }
     }
 }
