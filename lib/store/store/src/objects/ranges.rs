@@ -158,6 +158,17 @@ impl Ranges {
         (block, true)
     }
 
+    /// Where a block ends in which a range begins, if none has all of it.
+    fn held_until(&self, range: &Range<u64>) -> Option<u64> {
+        let kept = lock(&self.kept);
+        if range.end > self.tail.0 {
+            return (range.start < self.tail.0).then_some(self.tail.0);
+        }
+        let mut ends = kept.blocks.iter().filter(|block| block.range.contains(&range.start));
+        let longest = ends.by_ref().map(|block| block.range.end).max()?;
+        (longest < range.end).then_some(longest)
+    }
+
     /// Whether a range follows what was read: then how long that was.
     fn read_on(&self, range: &Range<u64>) -> Option<u64> {
         let mut kept = lock(&self.kept);
@@ -237,6 +248,12 @@ impl Shard for Ranges {
         }
         if range.start >= self.tail.0 {
             return part(&self.tail.1, self.tail.0);
+        }
+        if let Some(end) = self.held_until(&range) {
+            // The first part is there or under way.
+            let first = self.read_at(range.start..end)?;
+            let rest = self.read_at(end..range.end)?;
+            return Ok([first, rest].concat().into());
         }
         let read_on = self.read_on(&range);
         let (block, is_new) = self.block(&range, self.with_what_follows(&range, read_on), false);
