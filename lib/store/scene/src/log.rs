@@ -1,5 +1,7 @@
 //! The log's tables, indexed by frame.
 
+use std::thread::{self, ScopedJoinHandle};
+
 use frames::{Agent, Pose, World};
 use schema::AgentId;
 use schema::scene_info::SceneInfo;
@@ -51,6 +53,11 @@ impl<T: Row + Framed> ByFrame<T> {
     }
 }
 
+/// What a thread comes to.
+fn ended<T>(thread: ScopedJoinHandle<'_, T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
+
 impl SceneLog {
     /// Reads the log of a scene.
     ///
@@ -59,8 +66,18 @@ impl SceneLog {
     pub fn read(scene: &SceneReader) -> Result<Self, SceneError> {
         let info = scene.info()?;
         let frames = info.frames;
-        let agent_rows: Vec<AgentRow> = scene.rows()?;
-        let agents = scene.agents()?;
+        let agents = scene.agents_of(&info)?;
+        // Tables are read side by side: each one is a question to a bucket.
+        let (agent_rows, frame_rows, actors, lamps, states, signals) = thread::scope(|scope| {
+            let agent_rows = scope.spawn(|| scene.rows::<AgentRow>());
+            let frame_rows = scope.spawn(|| scene.rows::<FrameRow>());
+            let actors = scope.spawn(|| scene.rows());
+            let lamps = scope.spawn(|| scene.rows());
+            let states = scope.spawn(|| ByFrame::read(scene, frames));
+            let signals = ByFrame::read(scene, frames);
+            (ended(agent_rows), ended(frame_rows), ended(actors), ended(lamps), ended(states), signals)
+        });
+        let (agent_rows, frame_rows) = (agent_rows?, frame_rows?);
         let table = |name: &str, found: usize, agents: usize| {
             let path = scene.location(&format!("{name}.parquet"));
             if found == agents * frames as usize {
@@ -70,16 +87,15 @@ impl SceneLog {
             }
         };
         table(AgentRow::TABLE, agent_rows.len(), agents.len())?;
-        let frame_rows: Vec<FrameRow> = scene.rows()?;
         table(FrameRow::TABLE, frame_rows.len(), 1)?;
         Ok(Self {
-            actors: scene.rows()?,
-            lamps: scene.rows()?,
+            actors: actors?,
+            lamps: lamps?,
             frames: frame_rows,
             agent_rows,
             agents,
-            states: ByFrame::read(scene, frames)?,
-            signals: ByFrame::read(scene, frames)?,
+            states: states?,
+            signals: signals?,
             info,
         })
     }

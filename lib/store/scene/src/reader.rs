@@ -79,9 +79,14 @@ impl SceneReader {
     /// # Errors
     /// As [`SceneReader::info`], or an agent's name is none.
     pub fn agents(&self) -> Result<Vec<AgentId>, SceneError> {
+        self.agents_of(&self.info()?)
+    }
+
+    /// The agents that the facts of the scene name.
+    pub(crate) fn agents_of(&self, info: &SceneInfo) -> Result<Vec<AgentId>, SceneError> {
         let path = || self.location(schema::scene_info::SCENE_FILE);
         let parse = |name: &str| name.parse().map_err(|source| SceneError::Agent { path: path(), source });
-        self.info()?.agents.iter().map(|agent| parse(&agent.agent)).collect()
+        info.agents.iter().map(|agent| parse(&agent.agent)).collect()
     }
 
     /// Name of the file of a table.

@@ -8,6 +8,7 @@ use schema::table::{Column, Row};
 use crate::backend::Area;
 use crate::error::sound;
 use crate::manifest::{MadeBy, Manifest, Output, Redo};
+use crate::parallel::side_by_side;
 use crate::table::{TableOptions, TableWriter, write_columns};
 use crate::write::{FileWriter, Finished};
 use crate::{Scope, Store, StoreError, keys, write};
@@ -69,7 +70,9 @@ pub struct Attempt {
     earlier: Earlier,
     so_far: Mutex<SoFar>,
     sections: BTreeMap<String, String>,
-    /// Nothing was there, and all is made within moments: no records of units are kept, and none taken away.
+    /// Records of earlier tries that were there at the start, but for the manifest.
+    records: BTreeSet<String>,
+    /// Nothing was there, and all is made within moments: no records of units are kept.
     is_brief: bool,
 }
 
@@ -114,12 +117,14 @@ impl Identity {
 }
 
 /// How far a try has come.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct SoFar {
     /// The manifest of the try before is still there.
     old_stands: bool,
     /// Shards of all finished units.
     outputs: Vec<Output>,
+    /// Records that this try wrote.
+    written: Vec<String>,
 }
 
 impl Attempt {
@@ -133,8 +138,10 @@ impl Attempt {
     pub fn start(store: &Store, identity: Identity, force: bool) -> Result<Self, StoreError> {
         let (scope, stage) = (identity.scope, identity.stage.as_str());
         sweep(store, scope, stage)?;
-        let old = sound(store.manifest(scope, stage))?;
-        let old_stands = store.backend().size(&scope.manifest(stage))?.is_some();
+        let mut records = records_of(store, scope, stage)?;
+        let old_stands = records.remove(&scope.manifest(stage));
+        let old = if old_stands { sound(store.manifest(scope, stage))? } else { None };
+        let mut so_far = SoFar { old_stands, ..SoFar::default() };
         let (redo, earlier) = match old {
             Some(old) => {
                 let generation = old.generation + u32::from(force);
@@ -143,25 +150,33 @@ impl Attempt {
                 let tells = !force && old.outputs.iter().any(|output| output.made_from.is_some());
                 (Redo { generation, replaces, old: tells.then_some(old) }, earlier)
             }
-            None => Self::go_on(store, &identity, force)?,
+            None => Self::go_on(store, &identity, force, &records, &mut so_far)?,
         };
-        let so_far = Mutex::new(SoFar { old_stands, outputs: Vec::new() });
-        let (sections, is_brief) = (BTreeMap::new(), false);
-        Ok(Self { store: store.clone(), identity, redo, earlier, so_far, sections, is_brief })
+        let (store, so_far, sections) = (store.clone(), Mutex::new(so_far), BTreeMap::new());
+        Ok(Self { store, identity, redo, earlier, so_far, sections, records, is_brief: false })
     }
 
     /// Takes up what a try left that was stopped after it had set the old manifest aside, or had none. What
     /// it had finished for another identity is replaced like the old manifest's outputs.
-    fn go_on(store: &Store, identity: &Identity, force: bool) -> Result<(Redo, Earlier), StoreError> {
+    fn go_on(
+        store: &Store,
+        identity: &Identity,
+        force: bool,
+        records: &BTreeSet<String>,
+        so_far: &mut SoFar,
+    ) -> Result<(Redo, Earlier), StoreError> {
         let (scope, stage) = (identity.scope, identity.stage.as_str());
-        let read: Redo = sound(store.read_json(&scope.redo(stage)))?.unwrap_or_default();
+        let redo_key = scope.redo(stage);
+        let read = if records.contains(&redo_key) { sound(store.read_json(&redo_key))? } else { None };
+        let read: Redo = read.unwrap_or_default();
         let mut redo = read.clone();
         let mut earlier = Earlier::default();
         if let Some(old) = &redo.old {
             earlier.add(old, identity, force);
         }
-        for key in store.backend().keys(&scope.parts(stage))? {
-            let Some(part) = sound(store.read_json::<Manifest>(&key))? else { continue };
+        let parts = scope.parts(stage);
+        for key in records.iter().filter(|key| key.starts_with(&parts)) {
+            let Some(part) = sound(store.read_json::<Manifest>(key))? else { continue };
             earlier.add(&part, identity, force);
             if !identity.is_of(&part) {
                 redo.replaces.extend(part.outputs.into_iter().map(|output| output.key));
@@ -171,7 +186,8 @@ impl Attempt {
         redo.replaces.dedup();
         if redo.replaces.len() > read.replaces.len() {
             // The records of those units are about to be replaced.
-            store.write_json(&scope.redo(stage), stage, &redo)?;
+            store.write_json(&redo_key, stage, &redo)?;
+            so_far.written.push(redo_key);
         }
         Ok((redo, earlier))
     }
@@ -193,10 +209,16 @@ impl Attempt {
         let listing = store.backend().list(&scope.folder())?;
         let manifest_key = scope.manifest(stage);
         if !listing.has_unfinished && listing.objects.is_empty() {
-            let so_far = Mutex::new(SoFar { old_stands: false, outputs: Vec::new() });
-            let (redo, earlier, sections) = (Redo::default(), Earlier::default(), BTreeMap::new());
-            let store = store.clone();
-            return Ok(Ok(Self { store, identity, redo, earlier, so_far, sections, is_brief: true }));
+            return Ok(Ok(Self {
+                store: store.clone(),
+                identity,
+                redo: Redo::default(),
+                earlier: Earlier::default(),
+                so_far: Mutex::default(),
+                sections: BTreeMap::new(),
+                records: BTreeSet::new(),
+                is_brief: true,
+            }));
         }
         let sizes: BTreeMap<&str, u64> = listing.objects.iter().map(|o| (o.key.as_str(), o.bytes)).collect();
         if sizes.contains_key(manifest_key.as_str())
@@ -268,6 +290,7 @@ impl Attempt {
         if so_far.old_stands {
             let (scope, stage) = (self.identity.scope, self.identity.stage.as_str());
             self.store.write_json(&scope.redo(stage), stage, &self.redo)?;
+            so_far.written.push(scope.redo(stage));
             self.store.backend().remove(&scope.manifest(stage))?;
             so_far.old_stands = false;
         }
@@ -281,7 +304,8 @@ impl Attempt {
     /// The store cannot be read.
     pub fn unit(&self, name: &str) -> Result<Option<Unit<'_>>, StoreError> {
         let key = self.identity.scope.part(&self.identity.stage, name);
-        if !self.is_brief
+        // What another process finishes at this moment is made once more, with the same bytes.
+        if self.records.contains(&key)
             && let Some(part) = sound(self.store.read_json::<Manifest>(&key))?
         {
             let same = Manifest { outputs: part.outputs.clone(), ..self.manifest_of(Vec::new()) };
@@ -335,7 +359,7 @@ impl Attempt {
     pub fn commit(mut self) -> Result<Manifest, StoreError> {
         let mut so_far = self.so_far();
         self.set_old_aside(&mut so_far)?;
-        let outputs = std::mem::take(&mut so_far.outputs);
+        let SoFar { outputs, written, .. } = std::mem::take(&mut *so_far);
         drop(so_far);
         let mut manifest = self.manifest_of(outputs);
         manifest.outputs.sort_by(|a, b| a.key.cmp(&b.key));
@@ -347,9 +371,9 @@ impl Attempt {
             backend.remove(key)?;
         }
         self.store.commit_manifest(&scope.manifest(stage), &manifest)?;
-        if !self.is_brief {
-            Self::tidy(&self.store, scope, stage)?;
-        }
+        let records: BTreeSet<String> = self.records.into_iter().chain(written).collect();
+        let records: Vec<String> = records.into_iter().collect();
+        side_by_side(&records, backend.at_once(), |key| backend.remove(key))?;
         Ok(manifest)
     }
 
@@ -367,6 +391,14 @@ impl Attempt {
             made_by: self.identity.made_by.clone(),
         }
     }
+}
+
+/// Records of a stage that are there: its manifest, those of units, of redoing and of failing.
+fn records_of(store: &Store, scope: Scope, stage: &str) -> Result<BTreeSet<String>, StoreError> {
+    let own = [scope.manifest(stage), scope.redo(stage), scope.failure(stage)];
+    let parts = format!("{}/", scope.parts(stage));
+    let is_own = |key: &String| own.contains(key) || key.starts_with(&parts);
+    Ok(store.backend().keys(&scope.records())?.into_iter().filter(is_own).collect())
 }
 
 /// Removes what killed writers of a stage left unfinished of a scope.
@@ -498,11 +530,14 @@ impl Unit<'_> {
             return Ok(());
         }
         let record = attempt.identity.scope.part(&attempt.identity.stage, &name);
-        // One of another identity, whose shards are replaced now.
-        backend.remove(&record)?;
+        if attempt.records.contains(&record) {
+            // One of another identity, whose shards are replaced now.
+            backend.remove(&record)?;
+        }
         outputs.extend(write::commit(shards, backend.at_once())?);
         let part = attempt.manifest_of(outputs);
         attempt.store.write_json(&record, &attempt.identity.stage, &part)?;
+        so_far.written.push(record);
         so_far.outputs.extend(part.outputs);
         Ok(())
     }

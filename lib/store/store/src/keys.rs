@@ -51,6 +51,15 @@ impl Scope {
         matches!(self, Self::Plan | Self::Stats)
     }
 
+    /// The folder with all records of stages.
+    #[must_use]
+    pub fn records(self) -> String {
+        match self {
+            Self::Plan | Self::Tile { .. } | Self::Stats => self.folder(),
+            Self::Scene(_) => format!("{}/_manifests", self.folder()),
+        }
+    }
+
     /// The manifest of a stage.
     #[must_use]
     pub fn manifest(self, stage: &str) -> String {
