@@ -52,7 +52,7 @@ impl FilledGrids<'_> {
     }
 
     fn open(&self) -> Result<ArrayReader, StageError> {
-        ArrayReader::open(self.scene, &VOXEL_GRIDS, self.agent, MAX_MEMBER_BYTES).at(|| self.place())
+        ArrayReader::open_whole(self.scene, &VOXEL_GRIDS, self.agent, MAX_MEMBER_BYTES).at(|| self.place())
     }
 }
 

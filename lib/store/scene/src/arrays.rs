@@ -7,6 +7,9 @@ use store::{ShardStream, StoreError, keys};
 
 use crate::{SceneError, SceneReader};
 
+/// The most that is fetched in one go, bytes.
+const SMALL_BYTES: u64 = 16 << 20;
+
 /// An open archive of arrays.
 pub struct ArrayReader {
     archive: NpzReader<ShardStream>,
@@ -26,8 +29,34 @@ impl ArrayReader {
         agent: AgentId,
         max_bytes: u64,
     ) -> Result<Self, SceneError> {
+        Self::open_for(scene, kind, agent, max_bytes, false)
+    }
+
+    /// The same for who reads all of it: a small archive is fetched in one go.
+    ///
+    /// # Errors
+    /// As [`ArrayReader::open`].
+    pub fn open_whole(
+        scene: &SceneReader,
+        kind: &ArrayKind,
+        agent: AgentId,
+        max_bytes: u64,
+    ) -> Result<Self, SceneError> {
+        Self::open_for(scene, kind, agent, max_bytes, true)
+    }
+
+    fn open_for(
+        scene: &SceneReader,
+        kind: &ArrayKind,
+        agent: AgentId,
+        max_bytes: u64,
+        reads_all: bool,
+    ) -> Result<Self, SceneError> {
         let key = keys::array(scene.scene(), kind, agent);
         let stream = scene.store().stream_output(scene.manifest(kind.stage)?, &key)?;
+        if reads_all {
+            stream.will_read_all(SMALL_BYTES);
+        }
         let (path, scene, stage) = (scene.store().location(&key), scene.scene(), kind.stage);
         let archive = NpzReader::new(stream).map_err(|e| wrong(&path, scene, stage, None, e))?;
         Ok(Self { archive: archive.with_max_bytes(max_bytes), path, scene, stage })

@@ -25,6 +25,14 @@ impl ShardStream {
     pub fn new(shard: Arc<dyn Shard>, at: u64) -> Self {
         Self(BufReader::new(Cursor { shard, at }))
     }
+
+    /// A hint: all is read soon, if that is not more than so many bytes.
+    pub fn will_read_all(&self, most_bytes: u64) {
+        let shard = &self.0.get_ref().shard;
+        if shard.size() <= most_bytes {
+            shard.will_read(0..shard.size());
+        }
+    }
 }
 
 impl Read for Cursor {
