@@ -50,7 +50,7 @@ SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
 AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels scale test-slurm test-stores test-ray test-kubernetes faults gpus gpu-kit docs help
+.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels scale bench-stores test-slurm test-stores test-ray test-kubernetes faults gpus gpu-kit docs help
 
 help:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [DEVICE=cpu|gpu|NAME] [REDO=1] [ACCEPT_CODE=1] [GROW=1] [STRICT=1]    (STORE: dataset for the demo, else the configuration's name)"
@@ -276,6 +276,10 @@ bench-kernels:
 		-p convoy-sensors -p convoy-codecs --benches
 	$(CARGO) bench --locked -p convoy-evaluation --bench scale
 	$(CARGO) bench --locked -p convoy-tests --bench labels
+
+# What a bucket costs beside a disk, near and 20 ms away, and what tasks at once ask of it; needs s3s-fs.
+bench-stores: build
+	python3 tests/bucket_figures.py $(BIN) $(ROUNDS)
 
 # Seconds that stores of many scenes cost those who ask about them: make scale [SCENES=10000].
 scale: build

@@ -1,7 +1,7 @@
 """What a bucket costs beside a disk, and what tasks at once ask of it: bucket_figures.py FOLDER_OF_PROGRAMS [ROUNDS].
 
 Needs `s3s-fs` (cargo install s3s-fs --version 0.14.1 --features binary). CONFIG names what is made, `configs/demo.toml`
-without; TASKS what the tasks make, eight small scenes without.
+without; TASKS what the tasks make, eight of the smallest scenes without.
 """
 
 import os
@@ -111,7 +111,7 @@ def main(programs, rounds="2"):
     with tempfile.TemporaryDirectory() as folder:
         work = pathlib.Path(folder)
         small = work / "tasks.toml"
-        text = (HERE / "configurations/small.toml").read_text()
+        text = (HERE / "configurations/least.toml").read_text()
         small.write_text(text.replace('"convoy/demo" = 1', '"convoy/demo" = 8'))
         tasks_at_once(convoy, work, os.environ.get("TASKS", small))
         beside_the_disk(convoy, work, os.environ.get("CONFIG", "configs/demo.toml"), int(rounds))

@@ -241,7 +241,7 @@ fn a_failed_read_is_no_broken_shard() {
             }
             self.0.read(key)
         }
-        fn open(&self, key: &str, bytes: Option<u64>) -> Result<Box<dyn Shard>, StoreError> {
+        fn open(&self, key: &str, _: Option<u64>) -> Result<Box<dyn Shard>, StoreError> {
             Ok(Box::new(NoShard(self.0.size(key)?.unwrap_or_default())))
         }
         fn size(&self, key: &str) -> Result<Option<u64>, StoreError> {
