@@ -58,7 +58,8 @@ impl Disk {
         let mut tries = 0;
         let file = loop {
             match OpenOptions::new().write(true).create_new(true).open(&unfinished) {
-                // There is no folder yet; or it went with the last object in it, which another process removed.
+                // There is no folder yet, or it went with the last object in it, which another process
+                // removed.
                 Err(e) if is_absent(&e) && tries < TRIES => tries += 1,
                 opened => break opened.map_err(error("create"))?,
             }

@@ -16,7 +16,8 @@ use schema::table::{Column, ColumnError, Row};
 use crate::shard::Chunks;
 use crate::{StoreError, convert};
 
-/// So many bytes ahead the place is told of what is read, and the most that is read in one go because of that.
+/// So many bytes ahead the place is told of what is read, and the most that is read in one go because of
+/// that.
 const TOLD_AHEAD: u64 = 8 << 20;
 const TOLD_AT_ONCE: u64 = 1 << 20;
 
