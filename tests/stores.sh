@@ -75,6 +75,8 @@ serve() {
 # The store of the disk and that of a bucket, object by object.
 same() {
     if [[ -n $plain ]]; then
+        # s3s-fs leaves folders in which nothing is any more.
+        find "$plain" -depth -type d -empty -delete
         diff -r "$work/disk" "$plain"
     else
         rm -rf "$work/copy"
