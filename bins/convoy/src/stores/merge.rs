@@ -10,7 +10,7 @@ use runner::{
 use schema::scene_info::LOG_STAGE;
 use schema::tables::{SceneTileRow, TILE_STAGE};
 use schema::tile::TileIndex;
-use store::{Manifest, Scope, Store, StoreError, keys};
+use store::{Attempt, Manifest, Scope, Store, StoreError, keys};
 
 use super::member::{Fault, Member};
 use super::mixed;
@@ -185,6 +185,7 @@ fn take(
         return Err(Fault::Stopped);
     }
     if here.manifest(scope, &manifest.stage)?.is_some() && here.outputs_present(manifest)? {
+        clear(here, scope, &manifest.stage)?;
         taken.there += 1;
         return Ok(());
     }
@@ -195,6 +196,14 @@ fn take(
     taken.stages += 1;
     if let Scope::Scene(scene) = scope {
         taken.scenes.insert(scene);
+    }
+    Ok(())
+}
+
+/// Removes what a merge left that was killed right after it had put a manifest.
+fn clear(here: &Store, scope: Scope, stage: &str) -> Result<(), StoreError> {
+    if here.backend().lists_unfinished() && here.backend().list(&scope.folder())?.has_unfinished {
+        Attempt::tidy(here, scope, stage)?;
     }
     Ok(())
 }
@@ -215,7 +224,9 @@ fn take_tiles(here: &Store, other: &Store, scope: Scope, log: &Manifest) -> Resu
             return Err(corrupt("names a tile that is not there").into());
         };
         match of(here)? {
-            Some(stands) if stands.digest() == tile.digest && here.outputs_present(&stands)? => {}
+            Some(stands) if stands.digest() == tile.digest && here.outputs_present(&stands)? => {
+                clear(here, scope, TILE_STAGE)?;
+            }
             Some(stands) if stands.digest() != tile.digest => {
                 let why = format!("{} is another tile than in {}", scope.folder(), other.location(""));
                 return Err(Fault::Refused(format!("{}: {why}", here.location(""))));
