@@ -22,6 +22,8 @@ struct Taken {
     stages: usize,
     bytes: u64,
     there: usize,
+    /// The folder that was looked at last, and whether there was something unfinished in it.
+    looked: Option<(String, bool)>,
 }
 
 /// Takes into `place` all that other stores of the same plan have and it has not, of all scenes or some; the
@@ -185,12 +187,12 @@ fn take(
         return Err(Fault::Stopped);
     }
     if here.manifest(scope, &manifest.stage)?.is_some() && here.outputs_present(manifest)? {
-        clear(here, scope, &manifest.stage)?;
+        taken.clear(here, scope, &manifest.stage)?;
         taken.there += 1;
         return Ok(());
     }
     if manifest.stage == LOG_STAGE {
-        taken.bytes += take_tiles(here, other, scope, manifest)?;
+        take_tiles(here, other, scope, manifest, taken)?;
     }
     taken.bytes += here.adopt(other, scope, manifest)?;
     taken.stages += 1;
@@ -200,19 +202,32 @@ fn take(
     Ok(())
 }
 
-/// Removes what a merge left that was killed right after it had put a manifest.
-fn clear(here: &Store, scope: Scope, stage: &str) -> Result<(), StoreError> {
-    if here.backend().lists_unfinished() && here.backend().list(&scope.folder())?.has_unfinished {
-        Attempt::tidy(here, scope, stage)?;
+impl Taken {
+    /// Removes what a merge left that was killed right after it had put a manifest.
+    fn clear(&mut self, here: &Store, scope: Scope, stage: &str) -> Result<(), StoreError> {
+        let folder = scope.folder();
+        let has_unfinished = match &self.looked {
+            Some((looked, found)) if *looked == folder => *found,
+            _ => here.backend().lists_unfinished() && here.backend().list(&folder)?.has_unfinished,
+        };
+        self.looked = Some((folder, has_unfinished));
+        if has_unfinished {
+            Attempt::tidy(here, scope, stage)?;
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 /// Takes the tiles of the static world that a scene's log names.
-fn take_tiles(here: &Store, other: &Store, scope: Scope, log: &Manifest) -> Result<u64, Fault> {
-    let Scope::Scene(scene) = scope else { return Ok(0) };
+fn take_tiles(
+    here: &Store,
+    other: &Store,
+    scope: Scope,
+    log: &Manifest,
+    taken: &mut Taken,
+) -> Result<(), Fault> {
+    let Scope::Scene(scene) = scope else { return Ok(()) };
     let table = keys::table::<SceneTileRow>(scene);
-    let mut bytes = 0;
     for tile in other.read_rows::<SceneTileRow>(log, &table)? {
         let index = TileIndex { x: tile.x, y: tile.y };
         let path = || other.location(&table);
@@ -225,14 +240,14 @@ fn take_tiles(here: &Store, other: &Store, scope: Scope, log: &Manifest) -> Resu
         };
         match of(here)? {
             Some(stands) if stands.digest() == tile.digest && here.outputs_present(&stands)? => {
-                clear(here, scope, TILE_STAGE)?;
+                taken.clear(here, scope, TILE_STAGE)?;
             }
             Some(stands) if stands.digest() != tile.digest => {
                 let why = format!("{} is another tile than in {}", scope.folder(), other.location(""));
                 return Err(Fault::Refused(format!("{}: {why}", here.location(""))));
             }
-            _ => bytes += here.adopt(other, scope, &manifest)?,
+            _ => taken.bytes += here.adopt(other, scope, &manifest)?,
         }
     }
-    Ok(bytes)
+    Ok(())
 }

@@ -5,7 +5,9 @@ use std::mem;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::Builder;
 
+use crate::disk::write_error;
 use crate::place::Finished;
 use crate::unit::{ProgressWatch, UnitName};
 use crate::{Destination, ExportError, UnitFiles};
@@ -135,21 +137,22 @@ pub(crate) fn make<'a>(
         }
     };
     let ended = std::thread::scope(|scope| {
-        let ender = scope.spawn(move || end_all(place, &receive));
+        let ender = Builder::new().spawn_scoped(scope, move || end_all(place, &receive));
+        let ender = ender.map_err(|e| write_error(place.root(), "start a thread that ends files", e))?;
         if in_turn {
             work(&send);
         } else {
             rayon::broadcast(|_| work(&send));
         }
         drop(send);
-        ender.join()
+        ender.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     });
     for unit in &units {
         if let Some((_, error)) = unit.state().failed.take() {
             return Err(error);
         }
     }
-    ended.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    ended
 }
 
 /// Ends units as they come; those that wait go together.

@@ -26,11 +26,14 @@ pub(crate) fn confirmed(lines: &[String]) -> Result<bool, StageError> {
     }
     // Reading goes on after a signal: it waits in a thread of its own, which ends with the process.
     let (answers, answered) = channel();
-    std::thread::spawn(move || {
+    let listener = std::thread::Builder::new().spawn(move || {
         let mut answer = String::new();
         let read = std::io::stdin().read_line(&mut answer);
         let _ = answers.send(read.is_ok() && matches!(answer.trim(), "y" | "Y" | "yes"));
     });
+    if listener.is_err() {
+        return Ok(false);
+    }
     loop {
         match answered.recv_timeout(LOOK_EVERY) {
             Ok(answer) => return Ok(answer),

@@ -1,12 +1,13 @@
 //! The log's tables, indexed by frame.
 
-use std::thread::{self, ScopedJoinHandle};
+use std::thread;
 
 use frames::{Agent, Pose, World};
 use schema::AgentId;
 use schema::scene_info::SceneInfo;
 use schema::table::{Framed, Row};
 use schema::tables::{ActorRow, AgentRow, FrameRow, LampRow, SignalRow, StateRow};
+use store::aside;
 
 use crate::{FrameRanges, SceneError, SceneReader};
 
@@ -53,11 +54,6 @@ impl<T: Row + Framed> ByFrame<T> {
     }
 }
 
-/// What a thread comes to.
-fn ended<T>(thread: ScopedJoinHandle<'_, T>) -> T {
-    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-}
-
 impl SceneLog {
     /// Reads the log of a scene.
     ///
@@ -69,13 +65,13 @@ impl SceneLog {
         let agents = scene.agents_of(&info)?;
         // Tables are read side by side: each one is a question to a bucket.
         let (agent_rows, frame_rows, actors, lamps, states, signals) = thread::scope(|scope| {
-            let agent_rows = scope.spawn(|| scene.rows::<AgentRow>());
-            let frame_rows = scope.spawn(|| scene.rows::<FrameRow>());
-            let actors = scope.spawn(|| scene.rows());
-            let lamps = scope.spawn(|| scene.rows());
-            let states = scope.spawn(|| ByFrame::read(scene, frames));
+            let agent_rows = aside(scope, || scene.rows::<AgentRow>());
+            let frame_rows = aside(scope, || scene.rows::<FrameRow>());
+            let actors = aside(scope, || scene.rows());
+            let lamps = aside(scope, || scene.rows());
+            let states = aside(scope, || ByFrame::read(scene, frames));
             let signals = ByFrame::read(scene, frames);
-            (ended(agent_rows), ended(frame_rows), ended(actors), ended(lamps), ended(states), signals)
+            (agent_rows.join(), frame_rows.join(), actors.join(), lamps.join(), states.join(), signals)
         });
         let (agent_rows, frame_rows) = (agent_rows?, frame_rows?);
         let table = |name: &str, found: usize, agents: usize| {

@@ -55,7 +55,7 @@ pub use lock::{Lock, LockEvents, Pace, Work};
 pub use manifest::{Failure, MadeBy, Manifest, Output, Redo};
 pub use memory::Memory;
 pub use objects::Objects;
-pub use parallel::side_by_side;
+pub use parallel::{Aside, aside, side_by_side};
 pub use probe::{probe, remove_probes};
 pub use read::TableHead;
 pub use roster::{SceneKind, has_scenes, kind_names, scene_kinds, scenes_begun};

@@ -4,6 +4,8 @@ use std::hint::black_box;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use store::{Aside, aside};
+
 const LANES: usize = 8;
 /// Rows of the table that is read: 256 KB.
 const ROWS: usize = 1 << 13;
@@ -31,9 +33,9 @@ impl Machine {
     pub fn measured() -> Self {
         let cores = thread::available_parallelism().map_or(1, usize::from);
         let mut rounds: Vec<Duration> = thread::scope(|scope| {
-            let start = |number| scope.spawn(move || timed(number as u32));
+            let start = |number| aside(scope, move || timed(number as u32));
             let workers: Vec<_> = (0..cores).map(start).collect();
-            workers.into_iter().filter_map(|worker| worker.join().ok()).flatten().collect()
+            workers.into_iter().flat_map(Aside::join).collect()
         });
         rounds.sort_unstable();
         let middle_s = rounds.get(rounds.len() / 2).map_or(REFERENCE_S, Duration::as_secs_f64);

@@ -1,14 +1,15 @@
 //! Frames computed in parallel, handed over in order.
 
 use std::collections::VecDeque;
-use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, Receiver, TryRecvError};
-use std::thread::{self, ScopedJoinHandle};
+use std::thread;
+
+use rayon::{Scope, Yield};
+use store::{Aside, aside};
 
 use crate::{Progress, StageError};
-use rayon::{Scope, Yield};
 
 /// Frames in hand beyond those that threads work on: one is being taken and one may wait for that while
 /// others are begun.
@@ -91,7 +92,7 @@ pub fn in_turn<S: Send + Sync, W: Writer<T> + Send, T: Send>(
                         Step::End => {
                             let Some(writer) = coming.writers.pop_front() else { break };
                             ended(ending.take())?;
-                            ending = Some(threads.spawn(move || writer.finish()));
+                            ending = Some(aside(threads, move || writer.finish()));
                             progress.advance(u64::from(frames).saturating_sub(done))?;
                             done = 0;
                         }
@@ -108,9 +109,8 @@ pub fn in_turn<S: Send + Sync, W: Writer<T> + Send, T: Send>(
 }
 
 /// Waits for a part that is being ended.
-fn ended(ending: Option<ScopedJoinHandle<'_, Result<(), StageError>>>) -> Result<(), StageError> {
-    let outcome = ending.map(ScopedJoinHandle::join);
-    outcome.map_or(Ok(()), |outcome| outcome.unwrap_or_else(|panic| resume_unwind(panic)))
+fn ended(ending: Option<Aside<'_, Result<(), StageError>>>) -> Result<(), StageError> {
+    ending.map_or(Ok(()), Aside::join)
 }
 
 /// The steps that are begun and not yet taken.

@@ -1,7 +1,7 @@
 //! A folder of a bucket as a place of storage.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Instant, SystemTime};
 
 use bytes::Bytes;
@@ -57,6 +57,10 @@ impl Objects {
         };
         Path::parse(&whole)
             .map_err(|e| StoreError::Corrupt { path: self.location(key), problem: e.to_string() })
+    }
+
+    fn opened(&self) -> MutexGuard<'_, BTreeMap<Path, Weak<Ranges>>> {
+        self.opened.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The key of what lies at a path, if it lies in the store.
@@ -150,6 +154,8 @@ enum Found {
 impl Backend for Objects {
     fn create(&self, key: &str, _owner: &str) -> Result<Box<dyn Sink>, StoreError> {
         let (service, path) = (Arc::clone(&self.service), self.path(key)?);
+        // Who opens it from now on shares nothing that was fetched of the one before.
+        self.opened().remove(&path);
         let failed = Box::new(self.write_failed(key, "write"));
         Ok(Box::new(Upload::new(service, path, Arc::clone(&self.parts), failed)))
     }
@@ -180,15 +186,14 @@ impl Backend for Objects {
 
     fn open(&self, key: &str, bytes: Option<u64>) -> Result<Box<dyn Shard>, StoreError> {
         let path = self.path(key)?;
-        let opened = || self.opened.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = opened().get(&path).and_then(Weak::upgrade)
+        if let Some(found) = self.opened().get(&path).and_then(Weak::upgrade)
             && bytes == Some(found.size())
         {
             return Ok(Box::new(found));
         }
         let found = Ranges::open(Arc::clone(&self.service), path.clone(), bytes);
         let found = Arc::new(found.map_err(self.read_failed(key, "open"))?);
-        let mut opened = opened();
+        let mut opened = self.opened();
         opened.retain(|_, found| found.strong_count() > 0);
         opened.insert(path, Arc::downgrade(&found));
         Ok(Box::new(found))

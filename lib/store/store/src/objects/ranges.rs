@@ -30,6 +30,8 @@ pub(super) struct Ranges {
     service: Arc<dyn ObjectStore>,
     path: Path,
     bytes: u64,
+    /// Which of the objects that have lain there, if the service tells.
+    e_tag: Option<String>,
     tail: (u64, Bytes),
     kept: Mutex<Kept>,
 }
@@ -116,29 +118,29 @@ impl Ranges {
         told: Option<u64>,
     ) -> Result<Self, Failure> {
         let size = || async { Ok::<u64, Failure>(service.head(&path).await?.size) };
-        let (bytes, from, tail) = wait(read(|| async {
+        let (bytes, e_tag, from, tail) = wait(read(|| async {
             let bytes = match told {
                 Some(bytes) => bytes,
                 None => size().await?,
             };
             if bytes == 0 {
-                return Ok((size().await?, 0, Bytes::new()));
+                return Ok((size().await?, None, 0, Bytes::new()));
             }
             let wanted = bytes.saturating_sub(TAIL)..bytes;
             let options = GetOptions::new().with_range(Some(GetRange::Bounded(wanted.clone())));
             let found = match service.get_opts(&path, options).await.map_err(Failure::from) {
                 Ok(found) if found.meta.size == bytes && found.range == wanted => found,
                 // It has another size than was told.
-                Ok(found) => return Ok((found.meta.size, found.meta.size, Bytes::new())),
+                Ok(found) => return Ok((found.meta.size, None, found.meta.size, Bytes::new())),
                 Err(Failure::Refused(told)) => match size().await {
-                    Ok(found) if found < bytes => return Ok((found, found, Bytes::new())),
+                    Ok(found) if found < bytes => return Ok((found, None, found, Bytes::new())),
                     _ => return Err(Failure::Refused(told)),
                 },
                 Err(failure) => return Err(failure),
             };
-            Ok((bytes, wanted.start, found.bytes().await?))
+            Ok((bytes, found.meta.e_tag.clone(), wanted.start, found.bytes().await?))
         }))?;
-        Ok(Self { service, path, bytes, tail: (from, tail), kept: Mutex::default() })
+        Ok(Self { service, path, bytes, e_tag, tail: (from, tail), kept: Mutex::default() })
     }
 
     /// A block that holds a range: one that is there or under way, else a new one.
@@ -186,6 +188,24 @@ impl Ranges {
         range.start..(range.start + wanted).min(self.bytes).max(range.end)
     }
 
+    fn fetch(&self, range: Range<u64>) -> impl Future<Output = Result<Bytes, Failure>> + Send + use<> {
+        let (service, path) = (Arc::clone(&self.service), self.path.clone());
+        let (size, e_tag) = (self.bytes, self.e_tag.clone());
+        async move {
+            read(|| async {
+                let options = GetOptions::new().with_range(Some(GetRange::Bounded(range.clone())));
+                let found = service.get_opts(&path, options).await?;
+                let is_another = e_tag.is_some() && found.meta.e_tag.is_some() && e_tag != found.meta.e_tag;
+                // It was replaced since it was opened: parts of two objects make none.
+                if is_another || found.meta.size != size || found.range != range {
+                    return Err(Failure::Conflict);
+                }
+                Ok(found.bytes().await?)
+            })
+            .await
+        }
+    }
+
     /// Fetches a block in the background, if nobody has.
     fn fetch_ahead(&self, range: &Range<u64>, fetched: Range<u64>, is_told: bool) {
         if range.is_empty() || range.start >= self.tail.0 {
@@ -195,34 +215,11 @@ impl Ranges {
         if !is_new {
             return;
         }
-        let (service, path, size) = (Arc::clone(&self.service), self.path.clone(), self.bytes);
-        let fetched = Arc::clone(&block);
-        let request = async move {
-            let range = fetched.range.clone();
-            fetched.tell(fetch(service.as_ref(), &path, range, size).await);
-        };
-        if let Err(error) = start(request) {
+        let (request, fetched) = (self.fetch(block.range.clone()), Arc::clone(&block));
+        if let Err(error) = start(async move { fetched.tell(request.await) }) {
             block.tell(Err(error.into()));
         }
     }
-}
-
-async fn fetch(
-    service: &dyn ObjectStore,
-    path: &Path,
-    range: Range<u64>,
-    size: u64,
-) -> Result<Bytes, Failure> {
-    read(|| async {
-        let options = GetOptions::new().with_range(Some(GetRange::Bounded(range.clone())));
-        let found = service.get_opts(path, options).await?;
-        // It was replaced since it was opened: parts of two objects make none.
-        if found.meta.size != size || found.range != range {
-            return Err(Failure::Conflict);
-        }
-        Ok(found.bytes().await?)
-    })
-    .await
 }
 
 impl Shard for Ranges {
@@ -258,8 +255,7 @@ impl Shard for Ranges {
         let read_on = self.read_on(&range);
         let (block, is_new) = self.block(&range, self.with_what_follows(&range, read_on), false);
         if is_new {
-            let answer = wait(fetch(self.service.as_ref(), &self.path, block.range.clone(), self.bytes));
-            block.tell(answer);
+            block.tell(wait(self.fetch(block.range.clone())));
         }
         if let Some(bytes) = read_on.filter(|_| !block.is_told) {
             let next = block.range.end..(block.range.end + 1).min(self.bytes);

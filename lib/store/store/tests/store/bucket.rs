@@ -260,3 +260,23 @@ fn of_two_that_replace_one_succeeds() {
     assert!(!backend.replace("record", STAGE, b"old", b"new").expect("looks"));
     assert!(!backend.replace("nothing", STAGE, b"", b"new").expect("looks"));
 }
+
+#[test]
+fn parts_of_two_objects_make_none() {
+    let (service, store) = store(&[]);
+    let (old, new) = (many(4 << 20), vec![7; 4 << 20]);
+    write(&store, "a", &old).expect("written");
+    let size = old.len() as u64;
+    let opened = store.backend().open("a", Some(size)).expect("there");
+    assert_eq!(opened.read_at(0..10).expect("read"), old[..10]);
+    // Another process puts one of the same size there: who has opened the old one learns of it.
+    let other = Store::new(Arc::new(Objects::new(service, "test://bucket", "set")));
+    write(&other, "a", &new).expect("written");
+    let error = opened.read_at(2 << 20..3 << 20).expect_err("the old one is gone");
+    assert!(error.to_string().contains("another object is there now"), "{error}");
+    // One that replaces it itself reads the new one, though the old one is still open.
+    write(&store, "a", &old).expect("written");
+    let reopened = store.backend().open("a", Some(size)).expect("there");
+    assert_eq!(reopened.read_at(2 << 20..3 << 20).expect("read"), old[2 << 20..3 << 20]);
+    drop(opened);
+}
