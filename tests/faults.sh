@@ -16,11 +16,11 @@ export CONVOY_DEVICE=cpu AWS_ACCESS_KEY_ID=test AWS_SECRET_ACCESS_KEY=testsecret
 cp tests/configurations/least.toml "$work/tiny.toml"
 servers=()
 mounted=()
-spaces=()
+source tests/network.sh
 stop() {
     [[ ${#servers[@]} == 0 ]] || kill "${servers[@]}" 2>/dev/null || true
     for folder in "${mounted[@]}"; do umount "$folder" 2>/dev/null || true; done
-    for space in "${spaces[@]}"; do ip netns delete "$space" 2>/dev/null || true; done
+    remove_cable
     rm -rf "$work"
 }
 trap stop EXIT
@@ -229,28 +229,20 @@ away() {
 cable() {
     root || return 0
     command -v s3s-fs >/dev/null || { echo "note: skipped $part, s3s-fs is not installed"; return 0; }
-    command -v ip >/dev/null && ip netns add convoy-faults 2>/dev/null \
-        || { echo "note: skipped $part, no network namespaces here"; return 0; }
-    spaces+=(convoy-faults)
+    lay_cable convoy-f 10.213.7 || { echo "note: skipped $part, no network namespaces here"; return 0; }
     mkdir -p "$work/s3/sets"
-    ip link add convoy-here type veth peer name convoy-there netns convoy-faults
-    ip address add 10.213.7.1/30 dev convoy-here
-    ip link set convoy-here up
-    ip -n convoy-faults address add 10.213.7.2/30 dev convoy-there
-    ip -n convoy-faults link set convoy-there up
-    export AWS_ENDPOINT_URL=http://10.213.7.2:18017
-    ip netns exec convoy-faults s3s-fs --host 10.213.7.2 --port 18017 --access-key test --secret-key testsecret \
+    export AWS_ENDPOINT_URL=http://$there:18017
+    over_there s3s-fs --host "$there" --port 18017 --access-key test --secret-key testsecret \
         "$work/s3" >"$work/s3.log" 2>&1 &
     servers+=($!)
-    listens 10.213.7.2 18017
+    listens "$there" 18017
     local pid code=0
     run s3://sets/cable >"$work/said.txt" 2>&1 &
     pid=$!
     sleep 1
-    # At the other end: without the device here, packets would go to whatever the default route leads to.
-    ip -n convoy-faults link set convoy-there down
+    cut_cable
     sleep 5
-    ip -n convoy-faults link set convoy-there up
+    mend_cable
     wait $pid || code=$?
     [[ $code == 0 || $code == 75 ]] || fail "$part: exit $code: $(grep -m 3 ERROR "$work/said.txt")"
     run s3://sets/cable >"$work/said.txt" 2>&1 || fail "$part: the next run: $(tail -n 3 "$work/said.txt")"

@@ -93,6 +93,9 @@ class Cluster:
                 there = self.config(volume["configMap"])
                 args = [arg.replace(mount["mountPath"], str(there)) for arg in args]
         env = {"PATH": os.environ["PATH"], "HOME": str(self.folder)}
+        for source in container.get("envFrom", []):
+            secret = json.loads(self.path("Secret", source["secretRef"]["name"]).read_text())
+            env |= secret["stringData"]
         if index is not None:
             env["JOB_COMPLETION_INDEX"] = str(index)
         begun = log.read_bytes().count(BEGUN)
