@@ -38,10 +38,13 @@ TOML
 # How many states are done.
 count() { "$bin/convoy" status --json --store "$work/store" | grep -c '"state": "done"' || true; }
 
+# How many scenes are finished.
+finished() { find "$work/store/scenes" -name merge-tracks.json 2>/dev/null | wc -l; }
+
 # Waits until so many scenes are finished: by a process, if one is named, that has not ended before.
 wait_for_scenes() {
     for _ in $(seq 900); do
-        [[ $(find "$work/store/scenes" -name merge-tracks.json 2>/dev/null | wc -l) -ge $1 ]] && return
+        [[ $(finished) -ge $1 ]] && return
         [[ -z ${2:-} ]] || kill -0 "$2" 2>/dev/null || { echo "error: it ended before there were $1 scenes"; return 1; }
         sleep 1
     done

@@ -12,8 +12,8 @@ lay_cable() {
     mend_cable
     ip -n "$space" link set lo up
 }
-# Runs a command on the second machine.
-over_there() { ip netns exec "$space" "$@"; }
+# Runs a command on the second machine. `ip netns exec` would hide /sys/fs/cgroup, which Slurm looks for.
+over_there() { nsenter --net="/run/netns/$space" "$@"; }
 # At the other end: without the device here, packets would go to whatever the default route leads to.
 cut_cable() { ip -n "$space" link set "$space-1" down; }
 mend_cable() { ip -n "$space" link set "$space-1" up; }

@@ -28,16 +28,19 @@ trap stop EXIT
 mkdir -p "$work"/{ctld,d_n1,d_n2,log,run}
 host=$(hostname -s)
 ways=(process cable)
+# Daemons that are told to listen at one address take the one that the host's name has, which is not the cable's.
+listening=
 lay_cable convoy-s 10.213.8 || {
     echo "note: no cable is cut, there are no network namespaces here"
     ways=(process) here=127.0.0.1 there=127.0.0.1
+    listening=CommunicationParameters=NoCtldInAddrAny,NoInAddrAny
     over_there() { "$@"; }
 }
 cat >"$work/slurm.conf" <<CONF
 ClusterName=convoy
 SlurmctldHost=$host($here)
 SlurmctldPort=17000
-CommunicationParameters=NoCtldInAddrAny,NoInAddrAny
+$listening
 AuthType=auth/munge
 CredType=cred/munge
 SlurmUser=root

@@ -88,9 +88,8 @@ pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
             ([-half[0] + LAMP_FOOT_M, 0.0], 0.0, [LAMP_FOOT_M; 2])
         }
         ActorKind::Vegetation if family == "tree" => {
-            // The trunk's radius and how far it leans below walking height, and a third for how crowns pull
-            // it.
-            let radius = 1.33 * (0.018 * actor.height_m + 0.06 + 0.03 * WALKING_HEIGHT_M) + 0.06;
+            // The stem's radius at its foot, and how crooked it is below walking height.
+            let radius = 1.25 * (0.012 * actor.height_m + 0.025) + 0.1;
             ([0.0; 2], 0.0, [radius.min(half[0]), radius.min(half[1])])
         }
         ActorKind::Vehicle

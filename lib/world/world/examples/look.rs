@@ -209,11 +209,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("building.house", [9.0, 11.0, 9.0]),
         ("building.shop", [12.0, 18.0, 8.0]),
         ("building.hall", [22.0, 30.0, 10.0]),
-        ("tree.broadleaf", [7.0, 7.0, 11.0]),
-        ("tree.round", [5.0, 5.0, 7.0]),
-        ("tree.poplar", [3.5, 3.5, 14.0]),
-        ("tree.conifer", [5.0, 5.0, 12.0]),
-        ("tree.palm", [4.5, 4.5, 9.0]),
         ("pole.lamp", [2.4, 0.28, 7.5]),
     ] {
         large.push((name.to_owned(), size, 2));
@@ -224,6 +219,35 @@ fn main() -> Result<(), Box<dyn Error>> {
         view(Vec3::new(75.0, 85.0, 48.0), Vec3::new(-20.0, 85.0, 8.0), 0.95, 1800.0 / 1100.0),
     );
     canvas.save(&out.join("world-large.png"))?;
+    let mut plants: Vec<(String, [f64; 3], u32)> = Vec::new();
+    for (name, size) in [
+        ("tree.lime", [9.0, 9.0, 15.0]),
+        ("tree.maple", [9.0, 9.0, 14.0]),
+        ("tree.plane", [13.0, 13.0, 18.0]),
+        ("tree.chestnut", [11.0, 11.0, 16.0]),
+        ("tree.robinia", [8.0, 8.0, 14.0]),
+        ("tree.oak", [12.0, 12.0, 16.0]),
+        ("tree.ash", [10.0, 10.0, 17.0]),
+        ("tree.birch", [6.0, 6.0, 15.0]),
+        ("tree.hornbeam", [4.0, 4.0, 10.0]),
+        ("tree.cherry", [6.0, 6.0, 7.0]),
+        ("tree.poplar", [3.0, 3.0, 20.0]),
+        ("tree.willow", [11.0, 11.0, 12.0]),
+        ("tree.spruce", [5.0, 5.0, 18.0]),
+        ("tree.pine", [6.0, 6.0, 15.0]),
+        ("tree.palm", [5.0, 5.0, 12.0]),
+        ("tree.lime", [3.0, 3.0, 6.0]),
+        ("bush.round", [1.75, 1.75, 1.25]),
+        ("bush.hedge", [5.0, 0.8, 1.2]),
+    ] {
+        plants.push((name.to_owned(), size, 2));
+    }
+    let mut canvas = Canvas::new(1800, 1100);
+    canvas.draw(
+        &sheet(&plants, 6, 16.0),
+        view(Vec3::new(62.0, 40.0, 24.0), Vec3::new(-14.0, 40.0, 4.0), 0.95, 1800.0 / 1100.0),
+    );
+    canvas.save(&out.join("world-plants.png"))?;
 
     let place = arguments.get(1).map_or("convoy/demo", String::as_str);
     let network = match town::named(place) {

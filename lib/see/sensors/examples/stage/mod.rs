@@ -35,6 +35,14 @@ impl Stage {
         stage
     }
 
+    /// A lawn.
+    pub(crate) fn meadow() -> Self {
+        let mut stage = Self::default();
+        stage.meshes.push(testkit::plane(160.0, 0.0, Tag::Terrain, Surface::Grass));
+        stage.instances.push(common::instance(0, 1, Affine3A::IDENTITY));
+        stage
+    }
+
     /// Somebody of a model at a place, in a posture.
     pub(crate) fn add(&mut self, model: &Model, variant: u32, at: Affine3A, posture: Posture) {
         self.add_level(model, variant, 0, at, posture, [0.5; 3]);
@@ -77,14 +85,29 @@ impl Stage {
         triangles
     }
 
-    /// Whatever is no vehicle and nobody, so high over the plane.
+    /// Whatever is no vehicle and nobody.
     pub(crate) fn add_thing(&mut self, model: &str, size_m: [f64; 3], variant: u32, at: Affine3A) {
-        let Some(made) = actor_mesh(model, size_m, variant) else { return };
+        self.add_thing_level(model, size_m, variant, 0, at);
+    }
+
+    /// The same as detailed as it is farther away; gives the number of triangles.
+    pub(crate) fn add_thing_level(
+        &mut self,
+        model: &str,
+        size_m: [f64; 3],
+        variant: u32,
+        level: usize,
+        at: Affine3A,
+    ) -> usize {
+        let Some(made) = actor_mesh(model, size_m, variant) else { return 0 };
         let object = self.instances.len() as u16 + 1;
-        for piece in &made.pieces {
+        let coarser = level.checked_sub(1).and_then(|i| made.coarser.get(i));
+        let pieces: &[Piece] = coarser.map_or(&made.pieces, |coarser| &coarser.pieces);
+        for piece in pieces {
             self.instances.push(common::instance(self.meshes.len() as u32, object, at));
             self.meshes.push(Arc::clone(&piece.mesh));
         }
+        pieces.iter().map(|piece| piece.mesh.triangles.len()).sum()
     }
 
     /// A bench, with somebody of each look on it from its left to its right; all of them at a phase.

@@ -27,12 +27,50 @@ pub const BUILDINGS: [BuildingKind; 5] = [
     kind("building.hall", [22.0, 34.0], [18.0, 24.0], [2, 3]),
 ];
 
-/// Kinds of trees with their sizes: name, smallest and largest height, crown diameter as a share of the
-/// height.
-pub const TREES: [(&str, f64, f64, f64); 5] = [
-    ("tree.broadleaf", 6.0, 13.0, 0.62),
-    ("tree.round", 4.0, 8.0, 0.70),
-    ("tree.poplar", 9.0, 16.0, 0.24),
-    ("tree.conifer", 7.0, 15.0, 0.40),
-    ("tree.palm", 6.0, 11.0, 0.48),
+/// A kind of tree and how large it is young, grown and old.
+#[derive(Clone, Copy, Debug)]
+pub struct TreeKind {
+    /// Model name.
+    pub model: &'static str,
+    /// Height, metres.
+    pub height_m: [f64; 3],
+    /// Diameter of the crown, metres.
+    pub crown_m: [f64; 3],
+}
+
+const fn tree(model: &'static str, height_m: [f64; 3], crown_m: [f64; 3]) -> TreeKind {
+    TreeKind { model, height_m, crown_m }
+}
+
+/// Kinds of trees as they grow in streets and parks.
+pub const TREES: [TreeKind; 15] = [
+    tree("tree.lime", [6.0, 15.0, 22.0], [3.0, 9.0, 13.0]),
+    tree("tree.maple", [6.0, 14.0, 20.0], [3.0, 9.0, 13.0]),
+    tree("tree.plane", [7.0, 18.0, 26.0], [4.0, 12.0, 16.0]),
+    tree("tree.chestnut", [6.0, 16.0, 23.0], [3.0, 11.0, 15.0]),
+    tree("tree.robinia", [6.0, 14.0, 21.0], [3.0, 8.0, 12.0]),
+    tree("tree.oak", [5.0, 16.0, 25.0], [3.0, 12.0, 16.0]),
+    tree("tree.ash", [6.0, 17.0, 26.0], [3.0, 10.0, 15.0]),
+    tree("tree.birch", [6.0, 15.0, 21.0], [2.0, 6.0, 9.0]),
+    tree("tree.hornbeam", [4.0, 10.0, 15.0], [1.5, 4.0, 6.0]),
+    tree("tree.cherry", [4.0, 7.0, 10.0], [3.0, 6.0, 8.0]),
+    tree("tree.poplar", [8.0, 20.0, 28.0], [1.5, 3.0, 5.0]),
+    tree("tree.willow", [5.0, 12.0, 17.0], [4.0, 11.0, 15.0]),
+    tree("tree.spruce", [5.0, 16.0, 27.0], [2.5, 5.0, 8.0]),
+    tree("tree.pine", [5.0, 15.0, 24.0], [3.0, 6.0, 9.0]),
+    tree("tree.palm", [5.0, 12.0, 18.0], [4.0, 5.0, 6.0]),
 ];
+
+impl TreeKind {
+    /// So many trees of a kind and age differ.
+    pub const VARIANTS: u32 = 3;
+
+    /// The box of one of them at an age (0 young, 1 grown, 2 old), metres.
+    #[must_use]
+    pub fn size_m(&self, age: usize, variant: u32) -> [f64; 3] {
+        let of =
+            |sizes: [f64; 3]| (4.0 * sizes[age.min(2)] * (0.92 + 0.08 * f64::from(variant))).round() / 4.0;
+        let crown = of(self.crown_m);
+        [crown, crown, of(self.height_m)]
+    }
+}

@@ -46,7 +46,7 @@ use catalogue::Catalogue;
 use schema::tables::TileObjectRow;
 use settings::SceneryRules;
 
-pub use kinds::{BUILDINGS, BuildingKind, TREES};
+pub use kinds::{BUILDINGS, BuildingKind, TREES, TreeKind};
 pub use signs::{PLATES, Plate};
 
 use draft::Draft;
@@ -78,9 +78,11 @@ pub fn place(ground: &AreaGround<'_>, rules: &SceneryRules, catalogue: &Catalogu
     parked::keep_spaces(&site, &mut to_build);
     let houses = lots::buildings(&site, &fronts, &islands, &mut to_build, &mut drafts);
     houses.iter().for_each(|house| land.take(house.takes));
+    let mut built = Land::new(&ground.levels, tracks);
+    houses.iter().for_each(|house| built.take(house.takes));
     furniture::lamps(&site, &fronts, &mut land, &mut drafts);
     lots::fences(&site, &houses, &mut land, &mut drafts);
-    trees::trees(&site, &fronts, &mut land, &mut drafts);
+    trees::trees(&site, &fronts, &built, &mut land, &mut drafts);
     furniture::small_things(&site, &fronts, &mut land, &mut drafts);
     racks::racks(&site, &fronts, &mut land, &mut drafts);
     signs::roadside(&site, &fronts, &signs, &mut land, &mut drafts);
@@ -173,6 +175,38 @@ mod tests {
         }
         assert!(count >= least, "{name}: {count} signs");
         assert!(10 * turned <= count, "{name}: {turned} of {count} look away from their traffic");
+    }
+
+    #[test]
+    fn crowns_keep_off_walls_and_stems_off_lanes() {
+        let map = town_map("convoy/demo");
+        let objects = all_of(&map, [-256.0, -256.0], 512.0);
+        let houses: Vec<OrientedRect> = objects
+            .iter()
+            .filter(|o| o.kind == ActorKind::Building)
+            .map(|o| OrientedRect::new([o.xyz_m[0], o.xyz_m[1]], yaw(o), [0.5 * o.length_m, 0.5 * o.width_m]))
+            .collect();
+        let trees: Vec<_> = objects.iter().filter(|o| o.model.starts_with("tree.")).collect();
+        let (mut ages, mut at_kerbs) = ([0; 3], 0);
+        for tree in &trees {
+            let [x, y, z] = tree.xyz_m;
+            // What a round crown reaches of a square.
+            let crown = OrientedRect::square([x, y], 0.5 * 0.9 * tree.width_m);
+            assert!(!houses.iter().any(|house| house.meets(&crown)), "{} at {x} {y}", tree.model);
+            let kind = TREES.iter().find(|kind| kind.model == tree.model).expect("is planted");
+            let is_of = |age: &usize| kind.size_m(*age, tree.variant)[2] == tree.height_m;
+            ages[(0..3).find(is_of).expect("of some age")] += 1;
+            let foot = nalgebra::Point3::new(x, y, z);
+            let on = map.lanes_within(foot, 4.0, |_| true);
+            let on = on.iter().filter(|hit| hit.t_m.abs() < 0.5 * hit.width_m);
+            for hit in on {
+                let kind = map.lane(hit.lane).expect("is one").lane_type;
+                assert!(!kind.is_drivable(), "{} on a lane at {x} {y}", tree.model);
+                at_kerbs += usize::from(kind == opendrive::LaneType::Sidewalk);
+            }
+        }
+        assert!(trees.len() > 250 && ages.iter().all(|count| 20 * count > trees.len()), "{ages:?}");
+        assert!(at_kerbs > 25, "{at_kerbs} of {}", trees.len());
     }
 
     #[test]

@@ -32,10 +32,10 @@ pub(crate) mod reach_m {
     pub(crate) const SMALL: f64 = RACKS + 3.0 + 1.9;
     /// Bushes: of 1.6.
     pub(crate) const BUSHES: f64 = SMALL + 2.5 + 3.2;
-    /// Trees: trunks of 0.7, their room of 1.7.
-    pub(crate) const TREES: f64 = BUSHES + 2.3 + 2.4;
+    /// Trees: stems of 0.7, their room of 2.9.
+    pub(crate) const TREES: f64 = BUSHES + 2.3 + 3.6;
     /// Pieces of fences: of 3.1.
-    pub(crate) const FENCES: f64 = TREES + 4.8 + 6.2;
+    pub(crate) const FENCES: f64 = TREES + 6.0 + 6.2;
     /// Street lamps: of 0.5.
     pub(crate) const LAMPS: f64 = FENCES + 3.6 + 1.0;
     /// Parked vehicles: buses of 6.3.

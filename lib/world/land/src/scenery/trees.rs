@@ -1,6 +1,7 @@
 //! Trees, bushes and rocks.
 
 use frames::OrientedRect;
+use nalgebra::Point3;
 use random::Stream;
 use schema::{ActorKind, Tag};
 
@@ -8,9 +9,11 @@ use crate::scenery::claims::{Candidate, rank, settle};
 use crate::scenery::draft::Draft;
 use crate::scenery::draw::draw;
 use crate::scenery::frontage::{Frontage, Spot};
-use crate::scenery::kinds::TREES;
+use crate::scenery::kinds::{TREES, TreeKind};
 use crate::scenery::land::Land;
 use crate::scenery::site::{Site, reach_m};
+use crate::scenery::swept::is_swept;
+use crate::surfaces::Ground;
 
 /// How deep a trunk stands in the ground, metres.
 const ROOT_M: f64 = 0.05;
@@ -33,53 +36,115 @@ struct Planted {
     plant: Plant,
 }
 
-/// Trees along the streets and in the yards behind, and bushes where there is no sidewalk. What is drawn does
-/// not depend on what stands.
-pub(crate) fn trees(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, drafts: &mut Vec<Draft>) {
+/// Shares of the kinds of trees: in rows along streets, in yards, on open land, and in a town that is warm.
+/// In the order of [`TREES`].
+const STREET: [f64; 15] =
+    [0.22, 0.17, 0.13, 0.09, 0.09, 0.05, 0.05, 0.03, 0.07, 0.08, 0.0, 0.0, 0.0, 0.02, 0.0];
+const YARD: [f64; 15] =
+    [0.08, 0.10, 0.03, 0.05, 0.05, 0.06, 0.05, 0.15, 0.04, 0.14, 0.02, 0.03, 0.12, 0.08, 0.0];
+const OPEN: [f64; 15] =
+    [0.06, 0.08, 0.02, 0.02, 0.05, 0.18, 0.10, 0.15, 0.03, 0.02, 0.06, 0.05, 0.10, 0.08, 0.0];
+const WARM: [f64; 15] = [0.0, 0.0, 0.18, 0.0, 0.16, 0.0, 0.0, 0.0, 0.0, 0.08, 0.0, 0.0, 0.0, 0.18, 0.40];
+/// Share of towns that are warm.
+const WARM_TOWNS: f64 = 0.15;
+/// Shares of young, grown and old trees.
+const AGES: [f64; 3] = [0.25, 0.60, 0.15];
+/// Sidewalks of this width have trees at the kerb, metres; the middles of their stems stand so far behind it.
+const WIDE_WALK_M: f64 = 2.3;
+const BEHIND_KERB_M: f64 = 0.55;
+/// A stem in a sidewalk with the ground around it that nothing else takes, metres.
+const PIT_M: f64 = 0.4;
+/// Ground that a stem takes elsewhere, and half the ground that keeps free of other stems at most, metres.
+const STEM_M: f64 = 0.45;
+const APART_M: f64 = 2.0;
+/// Crowns keep this far from walls, as a share of their radius: they do not reach as far everywhere.
+const CLEAR_OF_WALLS: f64 = 0.92;
+
+/// A tree before it is known how large it can be.
+struct Wish {
+    kind: &'static TreeKind,
+    age: usize,
+    variant: u32,
+    yaw_rad: f64,
+    /// Beyond the edge of the street, metres; `None` at the kerb.
+    far_m: Option<f64>,
+}
+
+impl Wish {
+    fn new(shares: &[f64; 15], far_m: Option<f64>, random: &mut Stream) -> Self {
+        let kind = &TREES[draw(random, shares)];
+        Self::of(kind, far_m, random)
+    }
+
+    fn of(kind: &'static TreeKind, far_m: Option<f64>, random: &mut Stream) -> Self {
+        let age = draw(random, &AGES);
+        let variant = random.next_u32() % TreeKind::VARIANTS;
+        Self { kind, age, variant, yaw_rad: random.uniform(-3.0, 3.0), far_m }
+    }
+}
+
+/// Trees at the kerbs of streets and in the yards behind, and bushes where there is no sidewalk. What is
+/// drawn does not depend on what stands. Crowns keep off `built`, the land with its buildings alone.
+pub(crate) fn trees(
+    site: &Site<'_>,
+    fronts: &[Frontage],
+    built: &Land<'_>,
+    land: &mut Land<'_>,
+    drafts: &mut Vec<Draft>,
+) {
     let (mut trees, mut bushes) = (Vec::new(), Vec::new());
     let density = site.rules.tree_density;
+    let is_warm = is_warm(site);
+    let of = |shares| if is_warm { &WARM } else { shares };
     for front in fronts {
         let mut random = Stream::new(site.rules.seed, 0, "world/trees", front.entity);
         let random = &mut random;
         // One species lines a street.
-        let street_tree = draw(random, &[0.35, 0.25, 0.12, 0.08, 0.20]);
+        let street_tree = &TREES[draw(random, of(&STREET))];
         let mut along = random.uniform(2.0, 8.0);
         let mut slot = 0;
-        let mut plant_tree = |spot: &Spot, [far, grown]: [f64; 2], kind, slot, random: &mut Stream| {
-            let tree = tree(spot, far, kind, grown, random);
-            trees.extend(tree_candidate(site, land, tree, (front.entity, slot)));
-        };
         while let Some(spot) = front.at(along).filter(|_| along < front.length_m() - 2.0) {
-            slot += 4;
+            slot += 6;
+            let mut wishes = Vec::new();
             if spot.walk_m > 0.0 {
-                if random.chance(density) {
-                    plant_tree(&spot, [0.9, 0.25], street_tree, slot, random);
+                if random.chance(density.min(1.0)) {
+                    let at_kerb = spot.walk_m >= WIDE_WALK_M;
+                    wishes.push(Wish::of(street_tree, (!at_kerb).then_some(0.9), random));
                 }
                 // Yards behind the buildings have trees of their own.
-                if random.chance(0.5 * density) {
-                    let far = random.uniform(7.0, 34.0);
-                    let kind = draw(random, &[0.45, 0.30, 0.08, 0.17, 0.0]);
-                    plant_tree(&spot, [far, 0.5], kind, slot + 1, random);
-                }
-                along += random.uniform(8.0, 13.0);
-            } else {
-                for k in 0..2 {
-                    if random.chance(density) {
-                        let far = random.uniform(4.5, 34.0);
-                        let kind = draw(random, &[0.34, 0.20, 0.10, 0.36, 0.0]);
-                        plant_tree(&spot, [far, 0.6], kind, slot + k, random);
+                for _ in 0..2 {
+                    if random.chance(0.6 * density) {
+                        let far_m = random.uniform(5.0, 34.0);
+                        wishes.push(Wish::new(of(&YARD), Some(far_m), random));
                     }
                 }
-                if random.chance(0.35 * density) {
-                    bushes.push((bush(&spot, random), (front.entity, slot + 2)));
+                along += random.uniform(8.0, 12.0);
+            } else {
+                for _ in 0..4 {
+                    if random.chance(density) {
+                        let far_m = random.uniform(4.5, 34.0);
+                        wishes.push(Wish::new(of(&OPEN), Some(far_m), random));
+                    }
+                }
+                if random.chance(0.6 * density) {
+                    bushes.push((bush(&spot, random), (front.entity, slot + 5)));
                 }
                 along += random.uniform(6.0, 12.0);
+            }
+            for (k, wish) in (0u64..).zip(wishes) {
+                trees.extend(tree_candidate(site, [built, land], &spot, &wish, (front.entity, slot + k)));
             }
         }
     }
     plant(site, settle(trees, land), drafts);
     let bushes = bushes.into_iter().filter_map(|(bush, who)| bush_candidate(site, land, bush, who)).collect();
     plant(site, settle(bushes, land), drafts);
+}
+
+/// Whether palms grow in a town.
+fn is_warm(site: &Site<'_>) -> bool {
+    let roads = site.map.network().roads.len() as u64;
+    Stream::new(site.rules.seed, 0, "world/trees/climate", roads).chance(WARM_TOWNS)
 }
 
 fn plant(site: &Site<'_>, kept: Vec<Candidate<Plant>>, drafts: &mut Vec<Draft>) {
@@ -94,38 +159,60 @@ fn plant(site: &Site<'_>, kept: Vec<Candidate<Plant>>, drafts: &mut Vec<Draft>) 
     }
 }
 
-/// A tree of some kind beyond the edge of a street, of which a part of the height is common to its place.
-fn tree(spot: &Spot, far_m: f64, kind: usize, grown: f64, random: &mut Stream) -> Planted {
-    let (model, low, high, crown) = TREES[kind];
-    // Quarter metres, few variants: many trees share a mesh.
-    let height = (4.0 * (low + (high - low) * (grown * random.unit() + 0.5 * (1.0 - grown) * random.unit())))
-        .round()
-        / 4.0;
-    let variant = random.next_u32() % 6;
-    let yaw_rad = random.uniform(-3.0, 3.0);
-    let at = spot.beside(far_m, 0.0);
-    let width = (4.0 * crown * height).round() / 4.0;
-    let (kind, tag, size_m) = (ActorKind::Vegetation, Tag::Vegetation, [width, width, height]);
-    let plant = Plant { kind, model, tag, size_m, near_z_m: spot.point.z, yaw_rad, variant };
-    Planted { x_m: at.x, y_m: at.y, plant }
-}
-
+/// A tree as old as there is room for its crown, if it may stand there.
 fn tree_candidate(
     site: &Site<'_>,
-    land: &Land<'_>,
-    Planted { x_m, y_m, plant }: Planted,
+    [built, land]: [&Land<'_>; 2],
+    spot: &Spot,
+    wish: &Wish,
     (entity, slot): (u64, u64),
 ) -> Option<Candidate<Plant>> {
-    let square = |half_m: f64| OrientedRect::square([x_m, y_m], half_m);
-    let width = plant.size_m[0];
-    // The crown may reach over the sidewalk, not into a wall or over rails; the trunk stands on land.
-    let (trunk, room) = (square(0.45), square((0.3 * width).min(1.2)));
-    let grows = site.near(x_m, y_m, reach_m::TREES)
-        && land.unused(&room)
-        && land.free(&trunk)
-        && land.off_tracks(&square(0.5 * width));
-    let rank = || rank(site.rules.seed, "world/trees/rank", entity, slot);
-    grows.then(|| Candidate { takes: trunk, needs: room, rank: rank(), what: plant })
+    let at = spot.beside(wish.far_m.unwrap_or(BEHIND_KERB_M - spot.walk_m), 0.0);
+    let square = |half_m: f64| OrientedRect::square([at.x, at.y], half_m);
+    if !site.near(at.x, at.y, reach_m::TREES) {
+        return None;
+    }
+    let stem = square(if wish.far_m.is_some() { STEM_M } else { PIT_M });
+    let stands = match wish.far_m {
+        Some(_) => land.free(&stem),
+        None => stands_at_kerb(site, spot, at, &stem, land),
+    };
+    // The crown may reach over the street, not into a wall or over rails.
+    let fits = |age: usize| {
+        let [width, ..] = wish.kind.size_m(age, wish.variant);
+        let crown = square(0.5 * CLEAR_OF_WALLS * width);
+        built.unused(&crown) && land.off_tracks(&square(0.5 * width))
+    };
+    let age = (0..=wish.age).rev().find(|age| stands && fits(*age))?;
+    let size_m = wish.kind.size_m(age, wish.variant);
+    let room = square(if wish.far_m.is_some() { (0.22 * size_m[0]).clamp(0.5, APART_M) } else { PIT_M });
+    let plant = Plant {
+        kind: ActorKind::Vegetation,
+        model: wish.kind.model,
+        tag: Tag::Vegetation,
+        size_m,
+        near_z_m: spot.point.z,
+        yaw_rad: wish.yaw_rad,
+        variant: wish.variant,
+    };
+    let rank = rank(site.rules.seed, "world/trees/rank", entity, slot);
+    land.unused(&room).then_some(Candidate { takes: stem, needs: room, rank, what: plant })
+}
+
+/// Whether a stem can stand on a sidewalk: no lane for vehicles is there, and nobody turns over it.
+fn stands_at_kerb(
+    site: &Site<'_>,
+    spot: &Spot,
+    at: Point3<f64>,
+    stem: &OrientedRect,
+    land: &Land<'_>,
+) -> bool {
+    let on_lane = site.levels().cover.at(at.x, at.y).any(|(f, _)| f.ground == Ground::Paved);
+    let level = site.levels().height(at.x, at.y, spot.point.z);
+    !on_lane
+        && (level - spot.point.z).abs() <= 1.0
+        && land.unused(stem)
+        && !is_swept(site.map, Point3::new(at.x, at.y, spot.point.z), PIT_M)
 }
 
 /// A bush, or a rock in its place.

@@ -28,8 +28,8 @@ mod hull;
 mod load;
 mod lorry;
 mod motorcycle;
-mod nature;
 mod pieces;
+mod plants;
 mod pod;
 mod posture;
 mod props;
@@ -93,7 +93,7 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
     let (family, kind) = model.split_once('.')?;
     match family {
         "building" => building::building(kind, size, variant).and_then(fixed),
-        "tree" | "bush" => nature::plant(family, kind, size, variant).and_then(fixed),
+        "tree" | "bush" => plants::plant(family, kind, size, variant),
         "light" | "sign" | "pole" | "rsu" => street::street(family, kind, size, variant).and_then(fixed),
         "prop" => {
             props::prop(kind, size, variant).or_else(|| works::item(kind, size, variant)).and_then(fixed)

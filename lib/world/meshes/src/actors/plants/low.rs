@@ -1,0 +1,111 @@
+//! Bushes and hedges: leaves round a body that no light passes.
+
+use glam::Vec3;
+use schema::Tag;
+use schema::geometry::{MeshPart, Surface, TriMesh};
+
+use super::into_levels;
+use super::leaves::{Cluster, Draws, add_cluster, prepare};
+use crate::actors::ActorMesh;
+use crate::solids::MeshBuilder;
+
+/// From where on the coarser levels are there, metres.
+const FROM_M: [f64; 2] = [20.0, 50.0];
+/// Sides of squares of leaves at the finer levels, metres.
+const SIDES_M: [f32; 2] = [0.13, 0.24];
+/// Area of leaves over that of the body they stand on.
+const COVER: f32 = 1.5;
+/// The body's size, as a share of the plant's.
+const BODY: f32 = 0.86;
+
+fn greens(draws: &mut Draws) -> [MeshPart; 3] {
+    let greens: [[f32; 3]; 4] =
+        [[0.06, 0.15, 0.03], [0.09, 0.18, 0.04], [0.045, 0.12, 0.035], [0.11, 0.16, 0.04]];
+    let rgb = greens[((draws.unit() * 4.0) as usize).min(3)];
+    [0.6, 1.0, 1.25].map(|shade| MeshPart::new(Tag::Vegetation, Surface::Foliage, rgb.map(|c| shade * c)))
+}
+
+/// Places on a body that is given by its surface: the place and the way out, by two numbers from 0 to 1.
+fn with_leaves(
+    body: impl Fn(f32, MeshPart) -> TriMesh,
+    surface: impl Fn([f32; 2]) -> (Vec3, Vec3),
+    area_m2: f32,
+    (size, variant): (Vec3, u32),
+) -> ActorMesh {
+    let mut draws = Draws::new(variant, 2);
+    let greens = greens(&mut draws);
+    let open = |p: Vec3| 0.45 + 0.55 * (p.z / size.z).clamp(0.0, 1.0);
+    let mut meshes = Vec::new();
+    for side_m in SIDES_M {
+        let mut mesh = body(BODY, greens[0]);
+        prepare(&mut mesh, |p| 0.6 * open(p));
+        let shades = [greens[0], greens[1], greens[2]].map(|green| mesh.part_index(green));
+        let count = (COVER * area_m2 / (side_m * side_m)).clamp(30.0, 3000.0) as usize;
+        let mut draws = Draws::new(variant, 3);
+        for _ in 0..count {
+            let (place, outward) = surface([draws.unit(), draws.unit()]);
+            let centre = place + draws.around() * (0.3 * side_m) + outward * (0.2 * side_m);
+            let along = (outward * 0.7 + Vec3::Z * 0.3 + draws.direction()).normalize_or(Vec3::Z);
+            let open = open(centre);
+            let cluster = Cluster { centre, along, side_m, longer: 1.6, loose: 0.8, outward, open };
+            let shade = shades[1 + usize::from(draws.unit() < 0.4)];
+            add_cluster(&mut mesh, shade, &cluster, &mut draws);
+        }
+        // What would reach into the ground lies on it.
+        mesh.positions.iter_mut().for_each(|p| p.z = p.z.max(0.0));
+        meshes.push(mesh);
+    }
+    meshes.push(body(1.0, greens[1]));
+    into_levels(meshes, size, FROM_M)
+}
+
+/// A round bush.
+pub(super) fn bush(size: Vec3, variant: u32) -> ActorMesh {
+    let half = 0.5 * size;
+    let (centre, radii) = (Vec3::Z * 0.45 * size.z, Vec3::new(half.x, half.y, 0.55 * size.z));
+    let body = |share: f32, green: MeshPart| {
+        let mut bumps = Draws::new(variant, 4);
+        let bumps: Vec<f32> = (0..80).map(|_| bumps.uniform(0.88, 1.06)).collect();
+        let mut b = MeshBuilder::new();
+        b.blob(green, centre, radii * share, 6, 9, |ring, side| bumps[(9 * ring + side) % 80]);
+        b.reshape(|p| Vec3::new(p.x, p.y, p.z.max(0.0)));
+        b.finish()
+    };
+    let surface = |[u, v]: [f32; 2]| {
+        // The part above the ground, by height.
+        let z = -0.75 + 1.75 * u;
+        let (sin, cos) = frames::math::f32::sin_cos(std::f32::consts::TAU * v);
+        let level = (1.0 - z * z).max(0.0).sqrt();
+        let way = Vec3::new(cos * level, sin * level, z);
+        (centre + 0.93 * radii * way, (way / radii).normalize_or(Vec3::Z))
+    };
+    let area_m2 = std::f32::consts::PI * (half.x + half.y) * (half.x + half.y) * 0.85;
+    with_leaves(body, surface, area_m2, (size, variant))
+}
+
+/// A hedge that is cut square.
+pub(super) fn hedge(size: Vec3, variant: u32) -> ActorMesh {
+    let half = 0.5 * size;
+    let body = |share: f32, green: MeshPart| {
+        let inset = 0.5 * (1.0 - share) * size.y.min(size.z);
+        let [x, y] = [half.x, half.y - inset];
+        let mut b = MeshBuilder::new();
+        b.tapered(green, Vec3::new(-x, -y, 0.0), Vec3::new(x, y, size.z - inset), 1.0, 0.93);
+        b.finish()
+    };
+    // Both sides and the top, by their areas; the ends meet other hedges.
+    let around = 2.0 * size.z + size.y;
+    let surface = |[u, v]: [f32; 2]| {
+        let x = (2.0 * v - 1.0) * half.x * 0.995;
+        let along = u * around;
+        let y = half.y * 0.95;
+        if along < size.z {
+            (Vec3::new(x, -y, along), -Vec3::Y)
+        } else if along < 2.0 * size.z {
+            (Vec3::new(x, y, along - size.z), Vec3::Y)
+        } else {
+            (Vec3::new(x, (along - 2.0 * size.z) - half.y, size.z * 0.97), Vec3::Z)
+        }
+    };
+    with_leaves(body, surface, around * size.x, (size, variant))
+}
