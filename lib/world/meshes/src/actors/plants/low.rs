@@ -4,8 +4,8 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{MeshPart, Surface, TriMesh};
 
-use super::into_levels;
 use super::leaves::{Cluster, Draws, add_cluster, prepare};
+use super::levels::into_levels;
 use crate::actors::ActorMesh;
 use crate::solids::MeshBuilder;
 

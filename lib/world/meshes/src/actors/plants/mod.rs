@@ -1,6 +1,7 @@
 //! Trees, bushes and hedges, in levels of detail that keep the area of their leaves.
 
 mod leaves;
+mod levels;
 mod low;
 mod palm;
 mod species;
@@ -8,18 +9,10 @@ mod species;
 mod tests;
 mod tree;
 
-use std::sync::Arc;
-
 use glam::Vec3;
-use schema::geometry::TriMesh;
 
-use crate::actors::pieces::{ActorMesh, Coarser, Joint, Piece};
+use crate::actors::pieces::ActorMesh;
 use species::Species;
-
-/// Levels of a tree.
-const LEVELS: usize = 4;
-/// From where on the coarser ones of them are there, metres.
-const FROM_M: [f64; LEVELS - 1] = [25.0, 60.0, 150.0];
 
 /// A plant by name; it fills its box.
 pub(crate) fn plant(family: &str, kind: &str, size: Vec3, variant: u32) -> Option<ActorMesh> {
@@ -30,23 +23,4 @@ pub(crate) fn plant(family: &str, kind: &str, size: Vec3, variant: u32) -> Optio
         ("bush", _) => Some(low::bush(size, variant)),
         _ => None,
     }
-}
-
-/// An actor of some levels, the finest first, all of them stretched as that one is, so that it fills its box.
-/// The middle stays where it is: there its foot stands.
-fn into_levels(mut meshes: Vec<TriMesh>, size: Vec3, from_m: impl IntoIterator<Item = f64>) -> ActorMesh {
-    let half = Vec3::new(0.5 * size.x, 0.5 * size.y, size.z);
-    let Some(bounds) = meshes.first().map(TriMesh::aabb) else { return ActorMesh::default() };
-    let (min, max) = (-half * Vec3::new(1.0, 1.0, 0.0), half);
-    let by = |reach: Vec3| half / reach.abs().max(Vec3::splat(1e-3));
-    let (lower, upper) = (by(bounds.min), by(bounds.max));
-    for p in meshes.iter_mut().flat_map(|mesh| &mut mesh.positions) {
-        let scale = Vec3::select(p.cmplt(Vec3::ZERO), lower, upper);
-        *p = (*p * Vec3::new(scale.x, scale.y, upper.z)).clamp(min, max);
-    }
-    let mut levels = meshes.into_iter().map(|mesh| vec![Piece { mesh: Arc::new(mesh), joint: Joint::Fixed }]);
-    let mut actor = ActorMesh::of(levels.next().unwrap_or_default());
-    actor.coarser =
-        from_m.into_iter().zip(levels).map(|(from_m, pieces)| Coarser { from_m, pieces }).collect();
-    actor
 }

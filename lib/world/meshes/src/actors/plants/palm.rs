@@ -6,7 +6,7 @@ use schema::Tag;
 use schema::geometry::{MeshPart, Surface, TriMesh};
 
 use super::leaves::{Draws, add_leaf, prepare};
-use super::{FROM_M, LEVELS, into_levels};
+use super::levels::{FROM_M, LEVELS, into_levels};
 use crate::actors::ActorMesh;
 use crate::solids::{MeshBuilder, circle};
 

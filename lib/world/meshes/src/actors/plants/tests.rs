@@ -54,7 +54,8 @@ fn as_many_rays_pass_a_crown_as_the_formula_says() {
             outs.sort_unstable_by(f32::total_cmp);
             let edge = outs[outs.len() * 98 / 100].min(1.0);
             let density = area_m2(&leaves) / (crown.volume_m3() * edge * edge);
-            // The share of the leaves' area that is seen along a way: half of it where they stand in all directions.
+            // The share of the leaves' area that is seen along a way: half of it where they stand in all
+            // directions.
             let whole = area_m2(&leaves);
             let facing = |way: Vec3| {
                 let seen = |[a, b, c]: &[Vec3; 3]| 0.5 * (*b - *a).cross(*c - *a).dot(way).abs();

@@ -12,8 +12,8 @@ use schema::Tag;
 use schema::geometry::{MeshPart, Surface, TriMesh};
 
 use super::leaves::{Cluster, Draws, add_cluster, prepare};
+use super::levels::{FROM_M, LEVELS, into_levels};
 use super::species::Species;
-use super::{FROM_M, LEVELS, into_levels};
 use crate::actors::ActorMesh;
 use crate::solids::{MeshBuilder, circle};
 
