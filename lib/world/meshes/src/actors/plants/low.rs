@@ -25,7 +25,8 @@ fn greens(draws: &mut Draws) -> [MeshPart; 3] {
     [0.6, 1.0, 1.25].map(|shade| MeshPart::new(Tag::Vegetation, Surface::Foliage, rgb.map(|c| shade * c)))
 }
 
-/// Places on a body that is given by its surface: the place and the way out, by two numbers from 0 to 1.
+/// A body with leaves around it, by levels. `body` makes it in a share of its size; `surface` gives a place
+/// on it and the way out there, by two numbers from 0 to 1.
 fn with_leaves(
     body: impl Fn(f32, MeshPart) -> TriMesh,
     surface: impl Fn([f32; 2]) -> (Vec3, Vec3),
@@ -39,7 +40,7 @@ fn with_leaves(
     for side_m in SIDES_M {
         let mut mesh = body(BODY, greens[0]);
         prepare(&mut mesh, |p| 0.6 * open(p));
-        let shades = [greens[0], greens[1], greens[2]].map(|green| mesh.part_index(green));
+        let shades = greens.map(|green| mesh.part_index(green));
         let count = (COVER * area_m2 / (side_m * side_m)).clamp(30.0, 3000.0) as usize;
         let mut draws = Draws::new(variant, 3);
         for _ in 0..count {

@@ -1,11 +1,12 @@
 //! What is known of the species: sizes, crowns, boughs, leaves, colours.
 //!
-//! Sizes are those of street and park trees. Shapes are those of Weber and Penn (1995), section 4.3.
+//! Sizes are those of street and park trees. Shapes are after Weber and Penn (1995), section 4.3, but closed
+//! at both ends.
 
 use frames::math::f32::sin_cos;
 use std::f32::consts::PI;
 
-/// Radius of a crown by height, as a share of its greatest (Weber and Penn, `ShapeRatio`).
+/// Radius of a crown by height, as a share of its greatest (after the `ShapeRatio` of Weber and Penn).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Shape {
     Conical,
@@ -222,8 +223,7 @@ pub(super) const SPECIES: [Species; 14] = [
 ];
 
 /// Names of trees in stores of earlier versions, and what stands for them.
-const EARLIER: [(&str, &str); 4] =
-    [("broadleaf", "lime"), ("round", "maple"), ("conifer", "spruce"), ("hedge", "hornbeam")];
+const EARLIER: [(&str, &str); 3] = [("broadleaf", "lime"), ("round", "maple"), ("conifer", "spruce")];
 
 impl Species {
     /// Whether it has a stem that is kept clear.
