@@ -14,7 +14,7 @@ use crate::scenes;
 use crate::scenes::SceneCount;
 use crate::store::StoreSettings;
 use crate::tracks::TrackSettings;
-use crate::world::WorldSettings;
+use crate::world::{self, WorldSettings};
 
 settings! {
     /// Everything that determines a dataset, besides maps and code.
@@ -26,7 +26,7 @@ settings! {
         store: StoreSettings = StoreSettings::default(), table();
         /// Words of the dataset's card, README.md in the store.
         card: CardSettings = CardSettings::default(), table();
-        /// Seed of every random stream but that of the scenery (`world.seed`).
+        /// Seed of every random stream but that of the scenery (`scenery.seed`).
         seed: u64 = 27, within(0..=i64::MAX as u64);
         /// How many scenes on which map.
         scenes: Vec<SceneCount> = Vec::new(), by(scenes::counts);
@@ -41,8 +41,8 @@ settings! {
         /// What groups of scenes may have of their own.
         #[serde(flatten)]
         scenario: Scenario = Scenario::default(), flat();
-        /// The static world: scenery placed by rule on the land beside the roads.
-        world: WorldSettings = WorldSettings::default(), table();
+        /// How much of the static world a scene has.
+        world: WorldSettings = WorldSettings::default(), by(world::read);
         /// Which objects are annotated.
         annotation: AnnotationSettings = AnnotationSettings::default(), table();
         /// Objects followed over a scene.

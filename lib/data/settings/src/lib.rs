@@ -81,5 +81,5 @@ pub use tracks::TrackSettings;
 pub use traffic::TrafficSettings;
 pub use walkers::WalkerSettings;
 pub use weather::{WeatherKeyframe, WeatherSettings, WeatherValue};
-pub use world::{SceneryRules, WorldSettings};
+pub use world::{SceneryRules, Season, WorldSettings};
 pub use yaml::simbev2x_keys;
