@@ -16,6 +16,7 @@ EDITION ?=
 STRICT ?=
 EVERY  ?=
 NAME   ?=
+KEEP   ?=
 SEED   ?=
 DEST   ?=
 SRC    ?=
@@ -280,6 +281,11 @@ bench-kernels:
 # What a bucket costs beside a disk, near and 20 ms away, and what tasks at once ask of it; needs s3s-fs.
 bench-stores: build
 	python3 tests/bucket_figures.py $(BIN) $(ROUNDS)
+
+# Voxels by class beside the published means, of a scene of each town and of CARLA's maps that there are (docs/scenery.md);
+# KEEP names a folder for the store.
+shares: build
+	$(PYTHON) tests/shares.py $(BIN) "$(MAPS)" $(KEEP)
 
 # Seconds that stores of many scenes cost those who ask about them: make scale [SCENES=10000].
 scale: build

@@ -1,4 +1,4 @@
-//! Buildings, and the fences and walls before them.
+//! Buildings.
 
 use frames::OrientedRect;
 use random::Stream;
@@ -26,7 +26,7 @@ const HIGHWAY_MPS: f64 = 19.0;
 const TOWN: [f64; 5] = [0.42, 0.16, 0.14, 0.22, 0.06];
 const COUNTRY: [f64; 5] = [0.04, 0.0, 0.70, 0.08, 0.18];
 /// What a building keeps free around it, metres.
-const AROUND_M: f64 = 0.6;
+pub(crate) const AROUND_M: f64 = 0.6;
 /// Sizes and places that are tried on a lot, until one fits: shares of width and depth, and of the width that
 /// is left over to either side.
 const TRIES: [[f64; 3]; 7] = [
@@ -41,17 +41,19 @@ const TRIES: [[f64; 3]; 7] = [
 
 /// A building as it was drawn for a place on a frontage.
 pub(crate) struct House<'a> {
-    front: &'a Frontage,
+    pub(crate) front: &'a Frontage,
     /// Where its middle is along the frontage, metres.
-    along_m: f64,
-    near_z_m: f64,
+    pub(crate) along_m: f64,
+    pub(crate) near_z_m: f64,
     yaw_rad: f64,
-    kind: &'static BuildingKind,
+    pub(crate) kind: &'static BuildingKind,
     floors: f64,
-    setback_m: f64,
-    variant: u32,
+    pub(crate) setback_m: f64,
+    pub(crate) variant: u32,
     /// Decides what is in front of it.
-    fence: f64,
+    pub(crate) fence: f64,
+    /// Whether its street has sidewalks.
+    pub(crate) is_in_town: bool,
 }
 
 /// The buildings that stand in the area, or near enough to have a fence there.
@@ -95,7 +97,19 @@ pub(crate) fn buildings<'a>(
             };
             let (near_z_m, yaw_rad) = (middle.point.z, middle.facing_yaw());
             let rank = rank(site.rules.seed, "world/buildings/rank", front.entity, slot);
-            let what = House { front, along_m, near_z_m, yaw_rad, kind, floors, setback_m, variant, fence };
+            let is_in_town = town;
+            let what = House {
+                front,
+                along_m,
+                near_z_m,
+                yaw_rad,
+                kind,
+                floors,
+                setback_m,
+                variant,
+                fence,
+                is_in_town,
+            };
             let rect = rect.grown(AROUND_M);
             candidates.push(Candidate { takes: rect, needs: rect, rank, what });
         }
@@ -165,76 +179,4 @@ fn on_the_ground(site: &Site<'_>, rect: &OrientedRect, house: &House<'_>) -> Opt
         Draft::new(ActorKind::Building, house.kind.model, Tag::Building, size, xyz, house.yaw_rad);
     draft.variant = house.variant;
     Some(draft)
-}
-
-/// A piece of a fence, wall or hedge.
-struct Piece {
-    model: &'static str,
-    kind: ActorKind,
-    tag: Tag,
-    size_m: [f64; 3],
-    near_z_m: f64,
-    yaw_rad: f64,
-    variant: u32,
-}
-
-/// Fences, walls and hedges along the front of buildings, in pieces that follow the edge.
-pub(crate) fn fences(
-    site: &Site<'_>,
-    houses: &[Candidate<House<'_>>],
-    land: &mut Land<'_>,
-    drafts: &mut Vec<Draft>,
-) {
-    let mut candidates = Vec::new();
-    for house in houses.iter().filter(|h| h.what.setback_m > 3.6) {
-        let House { front, along_m, fence, variant, .. } = house.what;
-        let (model, kind, tag, width, height) = match fence {
-            pick if pick < 0.22 => ("prop.fence", ActorKind::Prop, Tag::Fence, 0.10, 1.1),
-            pick if pick < 0.38 => ("prop.wall", ActorKind::Prop, Tag::Wall, 0.30, 1.4),
-            pick if pick < 0.55 => ("bush.hedge", ActorKind::Vegetation, Tag::Vegetation, 0.80, 1.2),
-            _ => continue,
-        };
-        let length_m = 2.0 * (house.takes.half_m[1] - AROUND_M);
-        let pieces = (length_m / 6.0).ceil().max(1.0) as usize;
-        let piece = length_m / pieces as f64;
-        for i in 0..pieces {
-            // The way in stays open.
-            if pieces > 2 && i == pieces / 2 {
-                continue;
-            }
-            let middle_m = along_m - 0.5 * length_m + (i as f64 + 0.5) * piece;
-            let Some(spot) = front.at(middle_m) else { continue };
-            let at = spot.beside(0.9, 0.0);
-            let rect = OrientedRect {
-                centre_m: [at.x, at.y],
-                axis: [-spot.away.y, spot.away.x],
-                half_m: [0.5 * piece, 0.5 * width],
-            };
-            if !site.near(at.x, at.y, reach_m::FENCES) || !land.free(&rect.grown(0.05)) {
-                continue;
-            }
-            let (priority, entity, slot) = house.rank;
-            let rank = (priority ^ i as u32, entity, slot << 8 | i as u64);
-            let yaw_rad = frames::math::atan2(spot.away.x, -spot.away.y);
-            let (size_m, near_z_m) = ([piece, width, height], spot.point.z);
-            let what = Piece { model, kind, tag, size_m, near_z_m, yaw_rad, variant };
-            // Pieces side by side touch.
-            let needs = OrientedRect { half_m: [0.5 * piece - 0.3, 0.5 * width], ..rect };
-            candidates.push(Candidate { takes: rect, needs, rank, what });
-        }
-    }
-    for Candidate { takes, what: piece, .. } in settle(candidates, land) {
-        let [x, y] = takes.centre_m;
-        if site.holds(x, y) {
-            let z = [-1.0, 0.0, 1.0].map(|u| {
-                let [x, y] = takes.at(u, 0.0);
-                site.levels().height(x, y, piece.near_z_m)
-            });
-            let low = z.into_iter().fold(f64::INFINITY, f64::min);
-            let Piece { model, kind, tag, size_m, yaw_rad, variant, .. } = piece;
-            let mut draft = Draft::new(kind, model, tag, size_m, [x, y, low], yaw_rad);
-            draft.variant = variant;
-            drafts.push(draft);
-        }
-    }
 }

@@ -27,6 +27,7 @@
 mod claims;
 mod draft;
 mod draw;
+mod forecourts;
 mod frontage;
 mod furniture;
 mod islands;
@@ -35,11 +36,14 @@ mod land;
 mod lights;
 mod lots;
 mod parked;
+mod patches;
+mod plots;
 mod racks;
 mod signs;
 mod site;
 mod swept;
 mod trees;
+mod uses;
 
 use crate::surfaces::{AreaGround, Ground};
 use catalogue::Catalogue;
@@ -53,6 +57,7 @@ use draft::Draft;
 use islands::Islands;
 use land::Land;
 use site::Site;
+use uses::Uses;
 
 /// The objects in an area: traffic lights and signs of the map, parked vehicles, buildings, street lamps,
 /// fences, trees, street furniture, racks with bicycles and the signs that roads have besides, in this order.
@@ -81,8 +86,13 @@ pub fn place(ground: &AreaGround<'_>, rules: &SceneryRules, catalogue: &Catalogu
     let mut built = Land::new(&ground.levels, tracks);
     houses.iter().for_each(|house| built.take(house.takes));
     furniture::lamps(&site, &fronts, &mut land, &mut drafts);
-    lots::fences(&site, &houses, &mut land, &mut drafts);
-    trees::trees(&site, &fronts, &built, &mut land, &mut drafts);
+    plots::borders(&site, &houses, &mut land, &mut drafts);
+    let paved = forecourts::forecourts(&site, &houses, &land, &mut drafts);
+    let uses = Uses::new(&site, &fronts);
+    let mut open = land.clone();
+    paved.take(&mut open);
+    patches::patches(&site, &uses, &open, &mut drafts);
+    trees::trees(&site, (&fronts, &uses, &paved), &built, &mut land, &mut drafts);
     furniture::small_things(&site, &fronts, &mut land, &mut drafts);
     racks::racks(&site, &fronts, &mut land, &mut drafts);
     signs::roadside(&site, &fronts, &signs, &mut land, &mut drafts);
@@ -90,7 +100,7 @@ pub fn place(ground: &AreaGround<'_>, rules: &SceneryRules, catalogue: &Catalogu
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::surfaces::{Atlas, Region};
     use frames::OrientedRect;
@@ -125,13 +135,39 @@ mod tests {
         assert_eq!(whole.len(), parts.len());
     }
 
-    fn town_map(name: &str) -> Map {
+    pub(crate) fn town_map(name: &str) -> Map {
         Map::new(town::generate(&town::named(name).expect("a town of ours")).expect("roads"))
     }
 
     fn all_of(map: &Map, corner: [f64; 2], side: f64) -> Vec<TileObjectRow> {
+        all_by(&SceneryRules::default(), map, corner, side)
+    }
+
+    /// The objects of a square by some rules.
+    pub(crate) fn all_by(rules: &SceneryRules, map: &Map, corner: [f64; 2], side: f64) -> Vec<TileObjectRow> {
         let area = Region { min: corner, max: corner.map(|v| v + side) };
-        place(&Atlas::new(map).ground(&area), &SceneryRules::default(), Catalogue::built_in())
+        place(&Atlas::new(map).ground(&area), rules, Catalogue::built_in())
+    }
+
+    /// The ground under an object.
+    pub(crate) fn footprint(object: &TileObjectRow) -> OrientedRect {
+        let half_m = [0.5 * object.length_m, 0.5 * object.width_m];
+        OrientedRect::new([object.xyz_m[0], object.xyz_m[1]], yaw(object), half_m)
+    }
+
+    /// Whether a rectangle meets a lane that somebody drives or walks on, looked at each 0.4 m.
+    pub(crate) fn meets_lanes(map: &Map, rect: &OrientedRect, z_m: f64) -> bool {
+        let steps = rect.half_m.map(|half| (half / 0.2).ceil() as i32);
+        (-steps[0]..=steps[0]).any(|i| {
+            (-steps[1]..=steps[1]).any(|j| {
+                let [x, y] = rect.at(f64::from(i) / f64::from(steps[0]), f64::from(j) / f64::from(steps[1]));
+                let used =
+                    |lane: &opendrive::LaneInfo| lane.lane_type.is_drivable() || lane.lane_type.is_walkable();
+                let near = map.lanes_within(nalgebra::Point3::new(x, y, z_m), 6.0, used);
+                // Lanes are surfaces of straight pieces.
+                near.iter().any(|hit| hit.t_m.abs() < 0.5 * hit.width_m - 0.15)
+            })
+        })
     }
 
     fn yaw(object: &TileObjectRow) -> f64 {
@@ -168,9 +204,10 @@ mod tests {
             let word = sign.attributes.get(&Attribute::SignType).expect("says something");
             assert!(schema::SIGN_TYPES.contains(&word), "{word}");
             for house in objects.iter().filter(|o| o.kind == ActorKind::Building) {
-                let half_m = [0.5 * house.length_m, 0.5 * house.width_m];
-                let ground = OrientedRect::new([house.xyz_m[0], house.xyz_m[1]], yaw(house), half_m);
-                assert!(!ground.meets(&OrientedRect::square([foot.x, foot.y], 0.05)), "{name}: {foot}");
+                assert!(
+                    !footprint(house).meets(&OrientedRect::square([foot.x, foot.y], 0.05)),
+                    "{name}: {foot}"
+                );
             }
         }
         assert!(count >= least, "{name}: {count} signs");
@@ -181,11 +218,8 @@ mod tests {
     fn crowns_keep_off_walls_and_stems_off_lanes() {
         let map = town_map("convoy/demo");
         let objects = all_of(&map, [-256.0, -256.0], 512.0);
-        let houses: Vec<OrientedRect> = objects
-            .iter()
-            .filter(|o| o.kind == ActorKind::Building)
-            .map(|o| OrientedRect::new([o.xyz_m[0], o.xyz_m[1]], yaw(o), [0.5 * o.length_m, 0.5 * o.width_m]))
-            .collect();
+        let houses: Vec<OrientedRect> =
+            objects.iter().filter(|o| o.kind == ActorKind::Building).map(footprint).collect();
         let trees: Vec<_> = objects.iter().filter(|o| o.model.starts_with("tree.")).collect();
         let (mut ages, mut at_kerbs) = ([0; 3], 0);
         for tree in &trees {
@@ -244,11 +278,7 @@ mod tests {
 
     /// Whether two vehicles' footprints meet.
     fn meet(a: &TileObjectRow, b: &TileObjectRow) -> bool {
-        let ground = |o: &TileObjectRow| {
-            let half_m = [0.5 * o.length_m, 0.5 * o.width_m];
-            OrientedRect::new([o.xyz_m[0], o.xyz_m[1]], yaw(o), half_m)
-        };
-        ground(a).meets(&ground(b))
+        footprint(a).meets(&footprint(b))
     }
 
     #[test]

@@ -40,8 +40,8 @@ pub(crate) mod reach_m {
     pub(crate) const LAMPS: f64 = FENCES + 3.6 + 1.0;
     /// Parked vehicles: buses of 6.3.
     pub(crate) const PARKED: f64 = LAMPS + 6.8 + 12.6;
-    /// Buildings that were kept: a fence is up to 32 from the middle of its building.
-    pub(crate) const BUILT: f64 = FENCES + 32.0;
+    /// Buildings that were kept: a border is up to 42 from the middle of its building.
+    pub(crate) const BUILT: f64 = FENCES + 42.0;
     /// Buildings: half diagonals of 21.7 with what they keep free.
     pub(crate) const BUILDINGS: f64 = BUILT + 43.4;
     /// What the map itself puts there: beside buildings.

@@ -8,11 +8,13 @@ use schema::{ActorKind, Tag};
 use crate::scenery::claims::{Candidate, rank, settle};
 use crate::scenery::draft::Draft;
 use crate::scenery::draw::draw;
+use crate::scenery::forecourts::Forecourts;
 use crate::scenery::frontage::{Frontage, Spot};
 use crate::scenery::kinds::{TREES, TreeKind};
 use crate::scenery::land::Land;
 use crate::scenery::site::{Site, reach_m};
 use crate::scenery::swept::is_swept;
+use crate::scenery::uses::{PLOT_M, Use, Uses};
 use crate::surfaces::Ground;
 
 /// How deep a trunk stands in the ground, metres.
@@ -57,6 +59,12 @@ const PIT_M: f64 = 0.4;
 /// Ground that a stem takes elsewhere, and half the ground that keeps free of other stems at most, metres.
 const STEM_M: f64 = 0.45;
 const APART_M: f64 = 2.0;
+/// Trees of woods and orchards keep this far from streets, metres.
+const EDGE_M: f64 = 2.5;
+/// Fruit trees, by their place in [`TREES`].
+const CHERRY: usize = 9;
+/// Tells trees of woods from those along streets.
+const WOODS: u64 = 1 << 63;
 /// Crowns keep this far from walls, as a share of their radius: they do not reach as far everywhere.
 const CLEAR_OF_WALLS: f64 = 0.92;
 
@@ -87,7 +95,7 @@ impl Wish {
 /// drawn does not depend on what stands. Crowns keep off `built`, the land with its buildings alone.
 pub(crate) fn trees(
     site: &Site<'_>,
-    fronts: &[Frontage],
+    (fronts, uses, paved): (&[Frontage], &Uses, &Forecourts),
     built: &Land<'_>,
     land: &mut Land<'_>,
     drafts: &mut Vec<Draft>,
@@ -132,13 +140,22 @@ pub(crate) fn trees(
                 along += random.uniform(6.0, 12.0);
             }
             for (k, wish) in (0u64..).zip(wishes) {
-                trees.extend(tree_candidate(site, [built, land], &spot, &wish, (front.entity, slot + k)));
+                trees.extend(beside_street(
+                    site,
+                    [built, land],
+                    uses,
+                    &spot,
+                    &wish,
+                    (front.entity, slot + k),
+                ));
             }
         }
     }
-    plant(site, settle(trees, land), drafts);
-    let bushes = bushes.into_iter().filter_map(|(bush, who)| bush_candidate(site, land, bush, who)).collect();
-    plant(site, settle(bushes, land), drafts);
+    trees.extend(woods(site, uses, [built, land], of(&OPEN)));
+    plant(site, paved, settle(trees, land), drafts);
+    let bushes = bushes.into_iter().filter(|(bush, _)| !is_tilled(site, uses, bush.x_m, bush.y_m));
+    let bushes = bushes.filter_map(|(bush, who)| bush_candidate(site, land, bush, who)).collect();
+    plant(site, paved, settle(bushes, land), drafts);
 }
 
 /// Whether palms grow in a town.
@@ -147,11 +164,12 @@ fn is_warm(site: &Site<'_>) -> bool {
     Stream::new(site.rules.seed, 0, "world/trees/climate", roads).chance(WARM_TOWNS)
 }
 
-fn plant(site: &Site<'_>, kept: Vec<Candidate<Plant>>, drafts: &mut Vec<Draft>) {
+fn plant(site: &Site<'_>, paved: &Forecourts, kept: Vec<Candidate<Plant>>, drafts: &mut Vec<Draft>) {
     for Candidate { takes, what: plant, .. } in kept {
         let [x, y] = takes.centre_m;
         if site.holds(x, y) {
-            let xyz = [x, y, site.levels().height(x, y, plant.near_z_m) - ROOT_M];
+            let land_m = paved.height(x, y).unwrap_or_else(|| site.levels().height(x, y, plant.near_z_m));
+            let xyz = [x, y, land_m - ROOT_M];
             let mut draft = Draft::new(plant.kind, plant.model, plant.tag, plant.size_m, xyz, plant.yaw_rad);
             draft.variant = plant.variant;
             drafts.push(draft);
@@ -159,44 +177,101 @@ fn plant(site: &Site<'_>, kept: Vec<Candidate<Plant>>, drafts: &mut Vec<Draft>) 
     }
 }
 
-/// A tree as old as there is room for its crown, if it may stand there.
+/// Whether something grows at a place in rows, which nothing else is put between.
+fn is_tilled(site: &Site<'_>, uses: &Uses, x: f64, y: f64) -> bool {
+    site.rules.density > 0.0 && uses.at(x, y).is_some_and(Use::is_tilled)
+}
+
+/// A tree at a street, on the land beside it or at its kerb.
+fn beside_street(
+    site: &Site<'_>,
+    [built, land]: [&Land<'_>; 2],
+    uses: &Uses,
+    spot: &Spot,
+    wish: &Wish,
+    who: (u64, u64),
+) -> Option<Candidate<Plant>> {
+    let at = spot.beside(wish.far_m.unwrap_or(BEHIND_KERB_M - spot.walk_m), 0.0);
+    if !site.near(at.x, at.y, reach_m::TREES) || is_tilled(site, uses, at.x, at.y) {
+        return None;
+    }
+    let at_kerb = wish.far_m.is_none();
+    let stem = OrientedRect::square([at.x, at.y], if at_kerb { PIT_M } else { STEM_M });
+    let stands = if at_kerb { stands_at_kerb(site, spot, at, &stem, land) } else { land.free(&stem) };
+    tree_candidate(site, [built, land], at, (&stem, at_kerb), wish, who).filter(|_| stands)
+}
+
+/// A tree as old as there is room for its crown, where its stem may stand.
 fn tree_candidate(
     site: &Site<'_>,
     [built, land]: [&Land<'_>; 2],
-    spot: &Spot,
+    at: Point3<f64>,
+    (stem, at_kerb): (&OrientedRect, bool),
     wish: &Wish,
     (entity, slot): (u64, u64),
 ) -> Option<Candidate<Plant>> {
-    let at = spot.beside(wish.far_m.unwrap_or(BEHIND_KERB_M - spot.walk_m), 0.0);
     let square = |half_m: f64| OrientedRect::square([at.x, at.y], half_m);
-    if !site.near(at.x, at.y, reach_m::TREES) {
-        return None;
-    }
-    let stem = square(if wish.far_m.is_some() { STEM_M } else { PIT_M });
-    let stands = match wish.far_m {
-        Some(_) => land.free(&stem),
-        None => stands_at_kerb(site, spot, at, &stem, land),
-    };
     // The crown may reach over the street, not into a wall or over rails.
     let fits = |age: usize| {
         let [width, ..] = wish.kind.size_m(age, wish.variant);
         let crown = square(0.5 * CLEAR_OF_WALLS * width);
         built.unused(&crown) && land.off_tracks(&square(0.5 * width))
     };
-    let age = (0..=wish.age).rev().find(|age| stands && fits(*age))?;
+    let age = (0..=wish.age).rev().find(|age| fits(*age))?;
     let size_m = wish.kind.size_m(age, wish.variant);
-    let room = square(if wish.far_m.is_some() { (0.22 * size_m[0]).clamp(0.5, APART_M) } else { PIT_M });
+    let room = square(if at_kerb { PIT_M } else { (0.22 * size_m[0]).clamp(0.5, APART_M) });
     let plant = Plant {
         kind: ActorKind::Vegetation,
         model: wish.kind.model,
         tag: Tag::Vegetation,
         size_m,
-        near_z_m: spot.point.z,
+        near_z_m: at.z,
         yaw_rad: wish.yaw_rad,
         variant: wish.variant,
     };
     let rank = rank(site.rules.seed, "world/trees/rank", entity, slot);
-    land.unused(&room).then_some(Candidate { takes: stem, needs: room, rank, what: plant })
+    land.unused(&room).then_some(Candidate { takes: *stem, needs: room, rank, what: plant })
+}
+
+/// Trees of woods, a few metres apart, and of orchards, in rows.
+fn woods(
+    site: &Site<'_>,
+    uses: &Uses,
+    [built, land]: [&Land<'_>; 2],
+    shares: &[f64; 15],
+) -> Vec<Candidate<Plant>> {
+    let mut found = Vec::new();
+    let area = site.ground.area.grown(reach_m::TREES + PLOT_M);
+    let [[i0, j0], [i1, j1]] = [area.min, area.max].map(|p| p.map(|v| (v / PLOT_M).floor() as i32));
+    for (i, j) in (j0..=j1).flat_map(|j| (i0..=i1).map(move |i| (i, j))) {
+        let [x, y] = [i, j].map(|k| (f64::from(k) + 0.5) * PLOT_M);
+        let places: &[[f64; 2]] = match uses.at(x, y) {
+            Some(Use::Wood) => &[[-2.0, -2.0], [2.0, 2.0]],
+            Some(Use::Orchard) => &[[-2.0, -2.0], [2.0, -2.0], [-2.0, 2.0], [2.0, 2.0]],
+            _ => continue,
+        };
+        let is_wood = places.len() == 2;
+        let mut random = uses.stream("world/trees/woods", i, j);
+        for (slot, [dx, dy]) in (0u64..).zip(places) {
+            let [jx, jy] = [0, 1].map(|_| random.uniform(-1.6, 1.6));
+            let mut wish = Wish::new(shares, Some(0.0), &mut random);
+            let is_wanted = random.unit() < (if is_wood { 0.85 } else { 0.95 }) * site.rules.density;
+            let at = if is_wood {
+                [x + dx + jx, y + dy + jy]
+            } else {
+                // Fruit trees are small and alike.
+                wish = Wish { kind: &TREES[CHERRY], age: wish.age.min(1), ..wish };
+                [x + dx, y + dy]
+            };
+            let stem = OrientedRect::square(at, STEM_M);
+            if is_wanted && site.near(at[0], at[1], reach_m::TREES) && land.free(&stem.grown(EDGE_M)) {
+                let at = Point3::new(at[0], at[1], site.levels().terrain.height(at[0], at[1]));
+                let who = (WOODS | Uses::entity(i, j), slot);
+                found.extend(tree_candidate(site, [built, land], at, (&stem, false), &wish, who));
+            }
+        }
+    }
+    found
 }
 
 /// Whether a stem can stand on a sidewalk: no lane for vehicles is there, and nobody turns over it.

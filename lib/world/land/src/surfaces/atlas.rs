@@ -118,7 +118,7 @@ impl AreaGround<'_> {
         marks::build(self.map, (self.stop_lines, self.symbols), sections, area, &ground.cover, &mut blocks);
         bridges::build(sections, area, ground, &mut blocks);
         tracks::build(sections, area, ground, &mut blocks);
-        ground.terrain.build(area, &mut blocks);
+        ground.terrain.build(&ground.cover, area, &mut blocks);
         ground.terrain.build_waters(&ground.waters, area, &mut blocks);
         blocks.finish()
     }

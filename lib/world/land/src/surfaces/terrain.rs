@@ -5,7 +5,7 @@ use schema::Tag;
 use schema::geometry::{MeshPart, Surface};
 
 use crate::surfaces::blocks::Blocks;
-use crate::surfaces::cover::Facet;
+use crate::surfaces::cover::{Cover, Facet};
 use crate::surfaces::field::{Field, halved, pulled};
 use crate::surfaces::materials::GRASS;
 use crate::surfaces::region::Region;
@@ -29,6 +29,10 @@ const SLOPE_STEPS: usize = 16;
 pub(crate) const REACH_M: f64 = 104.0;
 /// The beds of waters lie this far under their level, metres.
 const BED_M: f64 = 1.5;
+/// Land less than this under lanes cannot be seen, metres, if it is so at all of this many places and one
+/// more along each side of a cell (each third of a metre).
+const HIDDEN_M: f64 = 0.5;
+const HIDDEN_STEPS: u32 = 12;
 /// Lanes are sampled this densely across and along, metres.
 const SAMPLE_M: f64 = 1.0;
 
@@ -214,10 +218,27 @@ impl Terrain {
         all.filter(|[p, ..]| area.contains(p.x, p.y))
     }
 
-    pub(crate) fn build(&self, area: &Region, blocks: &mut Blocks) {
+    /// Land, but for what lies hidden under lanes and paving: that would be cells of voxel grids that nobody
+    /// ever sees.
+    pub(crate) fn build(&self, cover: &Cover, area: &Region, blocks: &mut Blocks) {
         for corners in self.cells(area) {
-            blocks.quad(Layer::Terrain, GRASS, corners);
+            if !self.is_hidden(cover, &corners) {
+                blocks.quad(Layer::Terrain, GRASS, corners);
+            }
         }
+    }
+
+    /// Whether lanes lie closely over all of a cell.
+    fn is_hidden(&self, cover: &Cover, corners: &[Point3<f64>; 4]) -> bool {
+        let (low, side) = (corners[0], corners[2] - corners[0]);
+        (0..=HIDDEN_STEPS).all(|i| {
+            (0..=HIDDEN_STEPS).all(|j| {
+                let at = |k: u32, low: f64, side: f64| low + side * f64::from(k) / f64::from(HIDDEN_STEPS);
+                let (x, y) = (at(i, low.x, side.x), at(j, low.y, side.y));
+                let land = self.height(x, y);
+                cover.at(x, y).any(|(_, z)| z > land && z - land < HIDDEN_M)
+            })
+        })
     }
 
     /// Water over every cell of the land that reaches below it in or beside its outline: the shore is where

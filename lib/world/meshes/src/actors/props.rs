@@ -3,7 +3,7 @@
 use catalogue::benches;
 use glam::Vec3;
 use schema::Tag;
-use schema::geometry::{MeshPart, Surface, TriMesh};
+use schema::geometry::{MeshPart, Paving, Surface, TriMesh};
 
 use crate::solids::MeshBuilder;
 
@@ -15,7 +15,10 @@ pub(crate) fn prop(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
         "rack" => rack(&mut b, size),
         "bin" => bin(&mut b, size, variant),
         "fence" => fence(&mut b, size, variant),
+        "boards" => boards(&mut b, size, variant),
+        "wire" => wire(&mut b, size, variant),
         "wall" => wall(&mut b, size, variant),
+        "forecourt" => forecourt(&mut b, size, variant),
         "rock" => rock(&mut b, size, variant),
         _ => return None,
     }
@@ -121,6 +124,50 @@ fn fence(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     }
 }
 
+/// A fence of boards side by side, and their posts; it runs along x.
+fn boards(b: &mut MeshBuilder, size: Vec3, variant: u32) {
+    let half = 0.5 * size;
+    let rgb = [[0.30, 0.19, 0.10], [0.20, 0.17, 0.14], [0.42, 0.40, 0.37]][variant as usize % 3];
+    let shades = [0.92, 1.0, 1.08].map(|s| MeshPart::new(Tag::Fence, Surface::Wood, rgb.map(|c| s * c)));
+    let bays = (size.x / 1.5).round().max(1.0) as usize;
+    for i in 0..=bays {
+        let x = (-half.x + size.x * i as f32 / bays as f32).clamp(-half.x + 0.05, half.x - 0.05);
+        b.cuboid(shades[0], Vec3::new(x - 0.05, -half.y, 0.0), Vec3::new(x + 0.05, half.y, size.z));
+    }
+    let count = (size.x / 0.25).round().max(1.0) as usize;
+    for i in 0..count {
+        let at = |k: usize| -half.x + size.x * k as f32 / count as f32;
+        // No two boards are of one length.
+        let top = size.z - 0.04 - 0.015 * ((i * 7 + variant as usize) % 3) as f32;
+        let (low, high) = (Vec3::new(at(i) + 0.004, -0.012, 0.05), Vec3::new(at(i + 1) - 0.004, 0.012, top));
+        b.cuboid(shades[(i * 5 + variant as usize) % 3], low, high);
+    }
+}
+
+/// A fence of wire mesh between posts; it runs along x.
+fn wire(b: &mut MeshBuilder, size: Vec3, variant: u32) {
+    let half = 0.5 * size;
+    let rgb = [[0.07, 0.16, 0.10], [0.30, 0.31, 0.32]][variant as usize % 2];
+    let metal = MeshPart::new(Tag::Fence, Surface::Metal, rgb);
+    let bays = (size.x / 1.5).round().max(1.0) as usize;
+    for i in 0..=bays {
+        let x = (-half.x + size.x * i as f32 / bays as f32).clamp(-half.x + half.y, half.x - half.y);
+        b.bar(metal, Vec3::new(x, 0.0, 0.0), Vec3::new(x, 0.0, size.z), [half.y; 2], 6);
+    }
+    // Double rods lie closer together than a picture shows: every fourth is there, and stands for its
+    // neighbours.
+    let rods = (size.z / 0.2).round().max(2.0) as usize;
+    for k in 0..rods {
+        let z = 0.08 + (size.z - 0.14) * k as f32 / (rods - 1) as f32;
+        b.cuboid(metal, Vec3::new(-half.x, -0.006, z - 0.006), Vec3::new(half.x, 0.006, z + 0.006));
+    }
+    let uprights = (size.x / 0.2).round().max(1.0) as usize;
+    for k in 0..uprights {
+        let x = -half.x + size.x * (k as f32 + 0.5) / uprights as f32;
+        b.cuboid(metal, Vec3::new(x - 0.005, -0.005, 0.06), Vec3::new(x + 0.005, 0.005, size.z - 0.04));
+    }
+}
+
 /// A wall with a cap.
 fn wall(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     let half = 0.5 * size;
@@ -130,6 +177,25 @@ fn wall(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     let cap = MeshPart::new(Tag::Wall, Surface::Concrete, [0.5; 3]);
     b.cuboid(stone, low + Vec3::new(0.02, 0.04, 0.0), Vec3::new(high.x - 0.02, high.y - 0.04, 0.93 * size.z));
     b.cuboid(cap, Vec3::new(low.x, low.y, 0.93 * size.z), high);
+}
+
+/// A slab of paving.
+fn forecourt(b: &mut MeshBuilder, size: Vec3, variant: u32) {
+    let half = 0.5 * size;
+    let (paving, rgb) = [
+        (Paving::Slabs, [0.34, 0.33, 0.31]),
+        (Paving::Setts, [0.24, 0.235, 0.23]),
+        (Paving::Tiles, [0.33, 0.30, 0.27]),
+        (Paving::Cast, [0.36, 0.355, 0.34]),
+    ][variant as usize % 4];
+    let ring = |z: f32| {
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| Vec3::new(x * half.x, y * half.y, z))
+            .to_vec()
+    };
+    let edge = MeshPart::new(Tag::Sidewalk, Surface::Concrete, [0.4, 0.39, 0.37]);
+    let top = MeshPart::new(Tag::Sidewalk, Surface::Paving(paving), rgb);
+    b.loft(&[ring(0.0), ring(size.z)], |_, _| edge, [edge, top]);
 }
 
 /// A lump of stone.
