@@ -7,7 +7,7 @@ use frames::math::sin_cos;
 use frames::{Pose, World};
 
 use crate::tables::ActorRow;
-use crate::{ActorKind, ActorRole};
+use crate::{ActorKind, ActorRole, Tag};
 
 /// Nothing lower than this over the ground is in the way, and nothing higher than [`WALKING_HEIGHT_M`],
 /// metres.
@@ -65,9 +65,22 @@ pub struct Footprint {
     pub height_m: f64,
 }
 
-/// What of a fixed object is in the way at walking height; none for surfaces.
+/// Lower things lie flat: people step on them, metres.
+const FLAT_M: f64 = 0.06;
+
+/// Whether something is ground to walk on: a surface, paving, or what lies flat.
+fn is_ground(actor: &ActorRow) -> bool {
+    let is_paving = actor.semantic_tags == [Tag::Sidewalk as u8];
+    actor.kind == ActorKind::Surface
+        || actor.kind == ActorKind::Prop && (is_paving || actor.height_m < FLAT_M)
+}
+
+/// What of a fixed object is in the way at walking height; none for what is ground itself.
 #[must_use]
 pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
+    if is_ground(actor) {
+        return None;
+    }
     let pose = Pose::<World, frames::Object>::from_xyz_wxyz(actor.xyz_m, actor.quaternion);
     let yaw_rad = pose.yaw();
     let half = [0.5 * actor.length_m, 0.5 * actor.width_m];
@@ -75,7 +88,6 @@ pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
     // Where the box's middle is in the object's frame, how far below its origin the ground is, and how wide
     // it is.
     let (at, below_m, half_m) = match actor.kind {
-        ActorKind::Surface => return None,
         ActorKind::TrafficLight => {
             let mount = LightMount::from_variant(actor.variant);
             let side = if mount.pole_right { 1.0 } else { -1.0 } * f64::from(mount.arm_m);
@@ -92,7 +104,8 @@ pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
             let radius = 1.25 * (0.012 * actor.height_m + 0.025) + 0.1;
             ([0.0; 2], 0.0, [radius.min(half[0]), radius.min(half[1])])
         }
-        ActorKind::Vehicle
+        ActorKind::Surface
+        | ActorKind::Vehicle
         | ActorKind::Walker
         | ActorKind::Rsu
         | ActorKind::Prop

@@ -29,7 +29,24 @@ struct Plant {
     near_z_m: f64,
     yaw_rad: f64,
     variant: u32,
+    /// What it stands in, for trees at kerbs, and how that is turned, radians from east.
+    pit: Option<(Pit, f64)>,
 }
+
+/// Open ground round a stem in a sidewalk: its model, side and height, metres.
+#[derive(Clone, Copy)]
+struct Pit {
+    model: &'static str,
+    side_m: f64,
+    height_m: f64,
+}
+
+/// Young trees are held by stakes where these leave room enough to walk by; others stand in soil or in a grate.
+const STAKED: Pit = Pit { model: "prop.tree_stakes", side_m: 0.75, height_m: 1.8 };
+const SOIL: Pit = Pit { model: "prop.tree_pit", side_m: 1.0, height_m: 0.04 };
+const GRATE: Pit = Pit { model: "prop.tree_grate", side_m: 1.0, height_m: 0.03 };
+/// Sidewalks from this width on have that room, metres.
+const STAKES_WALK_M: f64 = 2.45;
 
 /// A plant and its place.
 struct Planted {
@@ -173,6 +190,10 @@ fn plant(site: &Site<'_>, paved: &Forecourts, kept: Vec<Candidate<Plant>>, draft
             let mut draft = Draft::new(plant.kind, plant.model, plant.tag, plant.size_m, xyz, plant.yaw_rad);
             draft.variant = plant.variant;
             drafts.push(draft);
+            if let Some((Pit { model, side_m, height_m }, yaw_rad)) = plant.pit {
+                let (size_m, xyz) = ([side_m, side_m, height_m], [x, y, land_m]);
+                drafts.push(Draft::new(ActorKind::Prop, model, Tag::Static, size_m, xyz, yaw_rad));
+            }
         }
     }
 }
@@ -198,15 +219,15 @@ fn beside_street(
     let at_kerb = wish.far_m.is_none();
     let stem = OrientedRect::square([at.x, at.y], if at_kerb { PIT_M } else { STEM_M });
     let stands = if at_kerb { stands_at_kerb(site, spot, at, &stem, land) } else { land.free(&stem) };
-    tree_candidate(site, [built, land], at, (&stem, at_kerb), wish, who).filter(|_| stands)
+    tree_candidate(site, [built, land], at, (&stem, at_kerb.then_some(spot)), wish, who).filter(|_| stands)
 }
 
-/// A tree as old as there is room for its crown, where its stem may stand.
+/// A tree as old as there is room for its crown, where its stem may stand: at a kerb, or anywhere.
 fn tree_candidate(
     site: &Site<'_>,
     [built, land]: [&Land<'_>; 2],
     at: Point3<f64>,
-    (stem, at_kerb): (&OrientedRect, bool),
+    (stem, kerb): (&OrientedRect, Option<&Spot>),
     wish: &Wish,
     (entity, slot): (u64, u64),
 ) -> Option<Candidate<Plant>> {
@@ -219,7 +240,7 @@ fn tree_candidate(
     };
     let age = (0..=wish.age).rev().find(|age| fits(*age))?;
     let size_m = wish.kind.size_m(age, wish.variant);
-    let room = square(if at_kerb { PIT_M } else { (0.22 * size_m[0]).clamp(0.5, APART_M) });
+    let room = square(if kerb.is_some() { PIT_M } else { (0.22 * size_m[0]).clamp(0.5, APART_M) });
     let plant = Plant {
         kind: ActorKind::Vegetation,
         model: wish.kind.model,
@@ -228,6 +249,15 @@ fn tree_candidate(
         near_z_m: at.z,
         yaw_rad: wish.yaw_rad,
         variant: wish.variant,
+        pit: kerb.filter(|_| site.rules.density > 0.0).map(|spot| {
+            let pit = match (age, entity % 3) {
+                (0, _) if spot.walk_m >= STAKES_WALK_M => STAKED,
+                // All along a street alike.
+                (_, 0) => GRATE,
+                _ => SOIL,
+            };
+            (pit, spot.facing_yaw())
+        }),
     };
     let rank = rank(site.rules.seed, "world/trees/rank", entity, slot);
     land.unused(&room).then_some(Candidate { takes: *stem, needs: room, rank, what: plant })
@@ -267,7 +297,7 @@ fn woods(
             if is_wanted && site.near(at[0], at[1], reach_m::TREES) && land.free(&stem.grown(EDGE_M)) {
                 let at = Point3::new(at[0], at[1], site.levels().terrain.height(at[0], at[1]));
                 let who = (WOODS | Uses::entity(i, j), slot);
-                found.extend(tree_candidate(site, [built, land], at, (&stem, false), &wish, who));
+                found.extend(tree_candidate(site, [built, land], at, (&stem, None), &wish, who));
             }
         }
     }
@@ -302,7 +332,7 @@ fn bush(spot: &Spot, random: &mut Stream) -> Planted {
         (ActorKind::Vegetation, "bush.round", Tag::Vegetation)
     };
     let size_m = [width, width, 0.7 * width];
-    let plant = Plant { kind, model, tag, size_m, near_z_m: spot.point.z, yaw_rad: 0.0, variant };
+    let plant = Plant { kind, model, tag, size_m, near_z_m: spot.point.z, yaw_rad: 0.0, variant, pit: None };
     Planted { x_m: at.x, y_m: at.y, plant }
 }
 

@@ -18,6 +18,9 @@ pub(crate) fn prop(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
         "boards" => boards(&mut b, size, variant),
         "wire" => wire(&mut b, size, variant),
         "wall" => wall(&mut b, size, variant),
+        "tree_pit" => pit(&mut b, size),
+        "tree_stakes" => stakes(&mut b, size),
+        "tree_grate" => grate(&mut b, size),
         "forecourt" => forecourt(&mut b, size, variant),
         "rock" => rock(&mut b, size, variant),
         _ => return None,
@@ -177,6 +180,57 @@ fn wall(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     let cap = MeshPart::new(Tag::Wall, Surface::Concrete, [0.5; 3]);
     b.cuboid(stone, low + Vec3::new(0.02, 0.04, 0.0), Vec3::new(high.x - 0.02, high.y - 0.04, 0.93 * size.z));
     b.cuboid(cap, Vec3::new(low.x, low.y, 0.93 * size.z), high);
+}
+
+/// Soil round a stem, with an edge of stone.
+fn pit(b: &mut MeshBuilder, size: Vec3) {
+    let half = 0.5 * size;
+    let soil = MeshPart::new(Tag::Static, Surface::Gravel, [0.13, 0.09, 0.06]);
+    let stone = MeshPart::new(Tag::Static, Surface::Concrete, [0.35, 0.34, 0.32]);
+    let (low, high, edge_m) = (-half.x, half.x, 0.07);
+    for (min, max) in [
+        ([low, low], [high, low + edge_m]),
+        ([low, high - edge_m], [high, high]),
+        ([low, low + edge_m], [low + edge_m, high - edge_m]),
+        ([high - edge_m, low + edge_m], [high, high - edge_m]),
+    ] {
+        b.cuboid(stone, Vec3::new(min[0], min[1], 0.0), Vec3::new(max[0], max[1], size.z.min(0.04)));
+    }
+    let inner = half.x - edge_m;
+    b.cuboid(soil, Vec3::new(-inner, -inner, 0.0), Vec3::new(inner, inner, 0.5 * size.z.min(0.04)));
+}
+
+/// Soil round a young stem, and the three stakes that hold it.
+fn stakes(b: &mut MeshBuilder, size: Vec3) {
+    pit(b, size);
+    let wood = MeshPart::new(Tag::Static, Surface::Wood, [0.36, 0.26, 0.16]);
+    let far_m = 0.32 * size.x;
+    let places = [0, 1, 2].map(|k| {
+        let (sin, cos) = frames::math::f32::sin_cos(std::f32::consts::TAU * (k as f32 + 0.25) / 3.0);
+        Vec3::new(far_m * cos, far_m * sin, 0.0)
+    });
+    for (k, place) in places.into_iter().enumerate() {
+        b.bar(wood, place, place + Vec3::Z * size.z, [0.035; 2], 6);
+        let (next, up) = (places[(k + 1) % 3], Vec3::Z * (size.z - 0.12));
+        b.bar(wood, place + up, next + up, [0.02; 2], 4);
+    }
+}
+
+/// An iron grate round a stem.
+fn grate(b: &mut MeshBuilder, size: Vec3) {
+    let half = 0.5 * size;
+    let iron = MeshPart::new(Tag::Static, Surface::Metal, [0.09, 0.085, 0.08]);
+    let bars = 12;
+    for k in 0..bars {
+        let at = |k: usize| -half.x + size.x * k as f32 / bars as f32;
+        let (x0, x1) = (at(k) + 0.012, at(k + 1) - 0.012);
+        // Bars end before the stem.
+        let open_m = if x0.abs().min(x1.abs()) < 0.24 { 0.24 } else { 0.0 };
+        for side in [-1.0, 1.0] {
+            let (a, z) = (side * half.y, side * open_m);
+            b.cuboid(iron, Vec3::new(x0, a.min(z), 0.0), Vec3::new(x1, a.max(z), size.z));
+        }
+    }
 }
 
 /// A slab of paving.
