@@ -103,8 +103,8 @@ def seen(store):
         for frame in (scene.frame(0), scene.frame(20)):
             for agent in (frame.agent(name) for name in frame.agents):
                 returns += np.bincount(agent.semantic_lidar()["tag"], minlength=len(TAGS))
-                for name in (name for name in agent.sensors if name.startswith("CAM")):
-                    tags, _ = agent.camera(name, "IST").instances()
+                for name in (name for name in agent.sensors if name.startswith("IST-")):
+                    tags, _ = agent.camera(name.removeprefix("IST-"), "IST").instances()
                     pixels += np.bincount(tags.ravel(), minlength=len(TAGS))
                 bev = agent.bev()
                 masks += bev.masks[0].size
