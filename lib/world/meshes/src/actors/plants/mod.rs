@@ -1,5 +1,6 @@
 //! Trees, bushes and hedges, in levels of detail that keep the area of their leaves.
 
+mod crown;
 mod leaves;
 mod levels;
 mod low;
@@ -8,6 +9,7 @@ mod species;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod wood;
 
 use glam::Vec3;
 
