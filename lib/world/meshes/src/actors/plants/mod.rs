@@ -20,7 +20,10 @@ use species::Species;
 pub(crate) fn plant(family: &str, kind: &str, size: Vec3, variant: u32) -> Option<ActorMesh> {
     match (family, kind) {
         ("tree", "palm") => Some(palm::palm(size, variant)),
-        ("tree", _) => Species::named(kind).map(|species| tree::tree(species, size, variant)),
+        ("tree", _) => match kind.strip_suffix(".bare") {
+            Some(kind) => Species::named(kind).and_then(|species| tree::bare(species, size, variant)),
+            None => Species::named(kind).map(|species| tree::tree(species, size, variant)),
+        },
         ("bush", "hedge") => Some(low::hedge(size, variant)),
         ("bush", _) => Some(low::bush(size, variant)),
         _ => None,

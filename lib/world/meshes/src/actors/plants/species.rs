@@ -69,6 +69,8 @@ pub(super) struct Species {
     /// How far boughs rise on their way out, as a share of that way: at the crown's base and at its top.
     pub(super) rise: [f32; 2],
     pub(super) leaves: Leaves,
+    /// Whether it has leaves in winter, too.
+    pub(super) is_evergreen: bool,
     /// Linear colour.
     pub(super) bark: [f32; 3],
 }
@@ -90,6 +92,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [22, 7],
         rise: [0.5, 1.6],
         leaves: leaves(0.24, 1.5, 4.0, [0.1, 0.3], [0.075, 0.17, 0.03]),
+        is_evergreen: false,
         bark: GREY,
     },
     Species {
@@ -100,6 +103,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [20, 7],
         rise: [0.7, 1.8],
         leaves: leaves(0.26, 1.2, 4.0, [0.0, 0.4], [0.085, 0.18, 0.035]),
+        is_evergreen: false,
         bark: GREY,
     },
     Species {
@@ -110,6 +114,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [18, 8],
         rise: [0.7, 1.6],
         leaves: leaves(0.3, 1.2, 3.0, [0.0, 0.3], [0.13, 0.21, 0.05]),
+        is_evergreen: false,
         bark: [0.36, 0.33, 0.22],
     },
     Species {
@@ -120,6 +125,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [20, 7],
         rise: [0.4, 1.5],
         leaves: leaves(0.32, 1.3, 5.0, [0.15, 0.3], [0.045, 0.12, 0.025]),
+        is_evergreen: false,
         bark: BROWN,
     },
     Species {
@@ -130,6 +136,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [15, 6],
         rise: [1.0, 2.2],
         leaves: leaves(0.2, 2.2, 2.0, [0.2, 0.4], [0.12, 0.21, 0.05]),
+        is_evergreen: false,
         bark: BROWN,
     },
     Species {
@@ -140,6 +147,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [16, 9],
         rise: [0.35, 1.4],
         leaves: leaves(0.26, 1.4, 4.0, [0.0, 0.5], [0.055, 0.13, 0.025]),
+        is_evergreen: false,
         bark: BROWN,
     },
     Species {
@@ -150,6 +158,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [16, 6],
         rise: [1.0, 2.0],
         leaves: leaves(0.24, 1.9, 2.7, [0.15, 0.4], [0.08, 0.17, 0.045]),
+        is_evergreen: false,
         bark: GREY,
     },
     Species {
@@ -160,6 +169,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [22, 5],
         rise: [0.7, 1.6],
         leaves: leaves(0.16, 1.6, 2.05, [0.6, 0.5], [0.13, 0.23, 0.05]),
+        is_evergreen: false,
         bark: [0.62, 0.61, 0.57],
     },
     Species {
@@ -170,6 +180,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [26, 5],
         rise: [1.8, 3.0],
         leaves: leaves(0.17, 1.3, 4.3, [0.0, 0.7], [0.06, 0.14, 0.03]),
+        is_evergreen: false,
         bark: GREY,
     },
     Species {
@@ -180,6 +191,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [14, 6],
         rise: [0.9, 1.6],
         leaves: leaves(0.22, 1.4, 2.5, [0.1, 0.5], [0.09, 0.16, 0.04]),
+        is_evergreen: false,
         bark: [0.14, 0.08, 0.06],
     },
     Species {
@@ -190,6 +202,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [36, 4],
         rise: [4.0, 5.0],
         leaves: leaves(0.14, 1.4, 3.4, [0.0, 1.0], [0.07, 0.16, 0.035]),
+        is_evergreen: false,
         bark: GREY,
     },
     Species {
@@ -200,6 +213,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [20, 9],
         rise: [0.6, 1.3],
         leaves: leaves(0.3, 4.5, 2.5, [0.9, 0.3], [0.15, 0.21, 0.055]),
+        is_evergreen: false,
         bark: BROWN,
     },
     Species {
@@ -210,6 +224,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [90, 4],
         rise: [-0.25, 0.5],
         leaves: leaves(0.22, 2.4, 6.8, [0.1, 0.3], [0.03, 0.085, 0.045]),
+        is_evergreen: true,
         bark: [0.15, 0.09, 0.06],
     },
     Species {
@@ -220,6 +235,7 @@ pub(super) const SPECIES: [Species; 14] = [
         boughs: [18, 6],
         rise: [0.2, 0.8],
         leaves: leaves(0.2, 1.5, 2.5, [0.0, 0.3], [0.05, 0.11, 0.045]),
+        is_evergreen: true,
         bark: [0.21, 0.125, 0.08],
     },
 ];

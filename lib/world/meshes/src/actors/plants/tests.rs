@@ -203,6 +203,26 @@ fn levels_keep_the_area_of_leaves_and_cost_less_and_less() {
 }
 
 #[test]
+fn bare_trees_have_wood_alone_and_cost_less_and_less() {
+    for species in &SPECIES {
+        let size = size_m(species, 1, 1);
+        let bare = plant("tree", &format!("{}.bare", species.name), size, 1);
+        let Some(bare) = bare else {
+            assert!(species.is_evergreen, "{}", species.name);
+            continue;
+        };
+        let mut last = 10_000;
+        for mesh in levels(&bare) {
+            assert!(mesh.parts.iter().all(|part| part.surface == Surface::Wood), "{}", species.name);
+            assert!(mesh.triangles.len() < last, "{}: {} of {last}", species.name, mesh.triangles.len());
+            last = mesh.triangles.len();
+        }
+        assert!(last < 500, "{}: {last}", species.name);
+    }
+    assert!(plant("tree", "palm.bare", Vec3::new(5.0, 5.0, 12.0), 1).is_none());
+}
+
+#[test]
 fn stems_are_clear_where_people_walk_and_lorries_drive() {
     for species in SPECIES.iter().filter(|species| species.is_pruned()) {
         for (size, variant) in all_of(species) {

@@ -159,3 +159,15 @@ pub(super) fn tree(species: &'static Species, size: Vec3, variant: u32) -> Actor
     });
     into_levels(meshes.collect(), size, FROM_M)
 }
+
+/// The same without leaves, if it sheds them.
+pub(super) fn bare(species: &'static Species, size: Vec3, variant: u32) -> Option<ActorMesh> {
+    if species.is_evergreen {
+        return None;
+    }
+    let crown = Crown::new(species, size);
+    let wood = Wood::new(&crown, &mut Draws::new(variant, 1));
+    let bark = bark(species);
+    let meshes = (0..LEVELS).map(|level| wood.bare(&crown, bark, level, variant)).collect();
+    Some(into_levels(meshes, size, FROM_M))
+}

@@ -1,4 +1,4 @@
-//! The wood of trees: a stem, boughs, twigs on them.
+//! The wood of trees: a stem, boughs, twigs on them, shoots on those.
 //!
 //! Boughs and twigs follow Weber and Penn (1995): the shape of the crown says how long each bough is.
 
@@ -24,6 +24,8 @@ const BOUGHS_ABOVE_M: f32 = 2.2;
 const SIDES: usize = 9;
 /// Sides of the stem by level, and how many of its places are kept: every so many.
 const TRUNK: [[usize; 2]; LEVELS] = [[9, 1], [6, 2], [4, 4], [4, 8]];
+/// Shoots of a bare tree by level, and how much thicker than close by they are.
+const SHOOTS: [(usize, f32); LEVELS] = [(1500, 1.0), (420, 2.0), (80, 4.0), (0, 0.0)];
 
 /// A stem, bough or twig: places along it with its radius there.
 #[derive(Clone, Debug)]
@@ -181,6 +183,41 @@ impl Wood {
         }
         carver.mesh
     }
+
+    /// The wood of a tree without leaves at a level: with shoots close by, with fewer but thicker twigs far
+    /// off.
+    pub(super) fn bare(&self, crown: &Crown, parts: [MeshPart; 2], level: usize, variant: u32) -> TriMesh {
+        let mut carver = Carver::new(crown, parts);
+        let [bark, young] = carver.parts;
+        carver.stem(&self.trunk, bark, TRUNK[level], 1.0);
+        for bough in &self.boughs {
+            carver.stem(
+                bough,
+                young,
+                [[5, 3, 3, 3][level], [1, 2, 2, 2][level]],
+                [1.0, 1.1, 1.3, 1.6][level],
+            );
+        }
+        for twig in self.twigs.iter().step_by([1, 1, 2, 5][level]) {
+            carver.stem(twig, young, [3, [1, 2, 2, 2][level]], [1.0, 1.3, 2.0, 3.0][level]);
+        }
+        let (count, thicker) = SHOOTS[level];
+        let mut draws = Draws::new(variant, 60);
+        // Long limbs have more of them.
+        let limbs: Vec<(f32, &Stem)> =
+            self.twigs.iter().chain(&self.boughs).map(|limb| (limb.length_m(), limb)).collect();
+        let whole: f32 = limbs.iter().map(|(length, _)| length).sum();
+        let (mut i, mut passed) = (0, 0.0);
+        for k in 0..count {
+            let wanted = whole * (k as f32 + 0.5) / count as f32;
+            while i + 1 < limbs.len() && passed + limbs[i].0 < wanted {
+                passed += limbs[i].0;
+                i += 1;
+            }
+            carver.stem(&shoot(crown, limbs[i].1, &mut draws), young, [3, 1], thicker);
+        }
+        carver.mesh
+    }
 }
 
 /// A stem that is a little crooked, and wider at its foot.
@@ -241,4 +278,14 @@ fn twig(crown: &Crown, bough: &Stem, (j, count): (usize, usize), thick: f32, dra
     let by = from + 0.55 * (to - from) + Vec3::Z * (0.08 + 0.35 * hang) * length;
     let thick = (0.45 * thick).min(0.02);
     Stem::bow([from, by, to], [thick, 0.35 * thick], 2)
+}
+
+/// A shoot on a twig or a bough.
+fn shoot(crown: &Crown, limb: &Stem, draws: &mut Draws) -> Stem {
+    let (from, along) = limb.at(draws.uniform(0.3, 1.0));
+    let length = (0.065 * crown.height_m()).clamp(0.3, 1.2) * draws.uniform(0.5, 1.4);
+    let hang = crown.species.leaves.hang;
+    let way = along * 0.8 + draws.direction() * 0.7 + Vec3::Z * (0.35 - 2.0 * hang);
+    let to = crown.within(from + way.normalize_or(along) * length);
+    Stem(vec![(from, 0.003 + 0.006 * length), (to, 0.002)])
 }
