@@ -92,14 +92,23 @@ pub(super) fn hedge(size: Vec3, variant: u32) -> ActorMesh {
     let half = 0.5 * size;
     let body = |share: f32, green: MeshPart| {
         let inset = 0.5 * (1.0 - share) * size.y.min(size.z);
-        let [x, y] = [half.x, half.y - inset];
+        // Leaves stand before the ends, too.
+        let [x, y] = [half.x - 0.5 * inset, half.y - inset];
         let mut b = MeshBuilder::new();
-        b.tapered(green, Vec3::new(-x, -y, 0.0), Vec3::new(x, y, size.z - inset), 1.0, 0.93);
+        b.tapered(green, Vec3::new(-x, -y, 0.0), Vec3::new(x, y, size.z - inset), 0.99, 0.93);
         b.finish()
     };
-    // Both sides and the top, by their areas; the ends meet other hedges.
+    // Both sides and the top, by their areas, and the ends: other hedges may stand there, or none.
     let around = 2.0 * size.z + size.y;
+    let (sides, ends) = (around * size.x, 2.0 * size.y * size.z);
     let surface = |[u, v]: [f32; 2]| {
+        let u = u * (sides + ends) / sides;
+        if u > 1.0 {
+            let way = if v < 0.5 { -1.0 } else { 1.0 };
+            let z = (u - 1.0) * sides / ends;
+            let y = (4.0 * v + if v < 0.5 { -1.0 } else { -3.0 }) * half.y * 0.95;
+            return (Vec3::new(way * half.x * 0.985, y, z * size.z), Vec3::X * way);
+        }
         let x = (2.0 * v - 1.0) * half.x * 0.995;
         let along = u * around;
         let y = half.y * 0.95;
@@ -111,5 +120,5 @@ pub(super) fn hedge(size: Vec3, variant: u32) -> ActorMesh {
             (Vec3::new(x, (along - 2.0 * size.z) - half.y, size.z * 0.97), Vec3::Z)
         }
     };
-    with_leaves(body, surface, around * size.x, (size, variant))
+    with_leaves(body, surface, sides + ends, (size, variant))
 }
