@@ -1,10 +1,11 @@
-//! Trees, bushes and hedges, in levels of detail that keep the area of their leaves.
+//! Trees, bushes, hedges and patches of low plants, in levels of detail that keep the area of their leaves.
 
 mod crown;
 mod leaves;
 mod levels;
 mod low;
 mod palm;
+mod patch;
 mod species;
 #[cfg(test)]
 mod tests;
@@ -26,6 +27,7 @@ pub(crate) fn plant(family: &str, kind: &str, size: Vec3, variant: u32) -> Optio
         },
         ("bush", "hedge") => Some(low::hedge(size, variant)),
         ("bush", _) => Some(low::bush(size, variant)),
+        ("plant", _) => patch::patch(kind, size, variant),
         _ => None,
     }
 }
