@@ -93,7 +93,7 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
     let (family, kind) = model.split_once('.')?;
     match family {
         "building" => building::building(kind, size, variant).and_then(fixed),
-        "tree" | "bush" => plants::plant(family, kind, size, variant),
+        "tree" | "bush" | "plant" => plants::plant(family, kind, size, variant),
         "light" | "sign" | "pole" | "rsu" => street::street(family, kind, size, variant).and_then(fixed),
         "prop" => {
             props::prop(kind, size, variant).or_else(|| works::item(kind, size, variant)).and_then(fixed)

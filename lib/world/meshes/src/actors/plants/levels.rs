@@ -28,6 +28,11 @@ pub(super) fn into_levels(
         let scale = Vec3::select(p.cmplt(Vec3::ZERO), lower, upper);
         *p = (*p * Vec3::new(scale.x, scale.y, upper.z)).clamp(min, max);
     }
+    levels_of(meshes, from_m)
+}
+
+/// An actor of some levels, the finest first.
+pub(super) fn levels_of(meshes: Vec<TriMesh>, from_m: impl IntoIterator<Item = f64>) -> ActorMesh {
     let mut levels = meshes.into_iter().map(|mesh| vec![Piece { mesh: Arc::new(mesh), joint: Joint::Fixed }]);
     let mut actor = ActorMesh::of(levels.next().unwrap_or_default());
     actor.coarser =

@@ -4,7 +4,7 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{MeshPart, Surface, TriMesh};
 
-use super::leaves::{Cluster, Draws, add_cluster, prepare};
+use super::leaves::{Draws, Leaf, prepare, reserve};
 use super::levels::into_levels;
 use crate::actors::ActorMesh;
 use crate::solids::MeshBuilder;
@@ -21,7 +21,7 @@ const BODY: f32 = 0.86;
 fn greens(draws: &mut Draws) -> [MeshPart; 3] {
     let greens: [[f32; 3]; 4] =
         [[0.06, 0.15, 0.03], [0.09, 0.18, 0.04], [0.045, 0.12, 0.035], [0.11, 0.16, 0.04]];
-    let rgb = greens[((draws.unit() * 4.0) as usize).min(3)];
+    let rgb = greens[draws.pick(4)];
     [0.6, 1.0, 1.25].map(|shade| MeshPart::new(Tag::Vegetation, Surface::Foliage, rgb.map(|c| shade * c)))
 }
 
@@ -40,17 +40,20 @@ fn with_leaves(
     for side_m in SIDES_M {
         let mut mesh = body(BODY, greens[0]);
         prepare(&mut mesh, |p| 0.6 * open(p));
-        let shades = greens.map(|green| mesh.part_index(green));
+        let [_, middle, light] = greens.map(|green| mesh.part_index(green));
+        let shades = [middle, middle, light];
         let count = (COVER * area_m2 / (side_m * side_m)).clamp(30.0, 3000.0) as usize;
         let mut draws = Draws::new(variant, 3);
+        reserve(&mut mesh, 2 * count);
         for _ in 0..count {
             let (place, outward) = surface([draws.unit(), draws.unit()]);
             let centre = place + draws.around() * (0.3 * side_m) + outward * (0.2 * side_m);
-            let along = (outward * 0.7 + Vec3::Z * 0.3 + draws.direction()).normalize_or(Vec3::Z);
             let open = open(centre);
-            let cluster = Cluster { centre, along, side_m, longer: 1.6, loose: 0.8, outward, open };
-            let shade = shades[1 + usize::from(draws.unit() < 0.4)];
-            add_cluster(&mut mesh, shade, &cluster, &mut draws);
+            let off = draws.direction() * (0.65 * side_m);
+            for off in [off, -off] {
+                let way = outward * 0.7 + Vec3::Z * 0.3;
+                Leaf::any(centre + off, [way, outward], open, &mut draws).add(&mut mesh, shades, side_m, 1.6);
+            }
         }
         // What would reach into the ground lies on it.
         mesh.positions.iter_mut().for_each(|p| p.z = p.z.max(0.0));
@@ -89,14 +92,23 @@ pub(super) fn hedge(size: Vec3, variant: u32) -> ActorMesh {
     let half = 0.5 * size;
     let body = |share: f32, green: MeshPart| {
         let inset = 0.5 * (1.0 - share) * size.y.min(size.z);
-        let [x, y] = [half.x, half.y - inset];
+        // Leaves stand before the ends, too.
+        let [x, y] = [half.x - 0.5 * inset, half.y - inset];
         let mut b = MeshBuilder::new();
-        b.tapered(green, Vec3::new(-x, -y, 0.0), Vec3::new(x, y, size.z - inset), 1.0, 0.93);
+        b.tapered(green, Vec3::new(-x, -y, 0.0), Vec3::new(x, y, size.z - inset), 0.99, 0.93);
         b.finish()
     };
-    // Both sides and the top, by their areas; the ends meet other hedges.
+    // Both sides and the top, by their areas, and the ends: other hedges may stand there, or none.
     let around = 2.0 * size.z + size.y;
+    let (sides, ends) = (around * size.x, 2.0 * size.y * size.z);
     let surface = |[u, v]: [f32; 2]| {
+        let u = u * (sides + ends) / sides;
+        if u > 1.0 {
+            let way = if v < 0.5 { -1.0 } else { 1.0 };
+            let z = (u - 1.0) * sides / ends;
+            let y = (4.0 * v + if v < 0.5 { -1.0 } else { -3.0 }) * half.y * 0.95;
+            return (Vec3::new(way * half.x * 0.985, y, z * size.z), Vec3::X * way);
+        }
         let x = (2.0 * v - 1.0) * half.x * 0.995;
         let along = u * around;
         let y = half.y * 0.95;
@@ -108,5 +120,5 @@ pub(super) fn hedge(size: Vec3, variant: u32) -> ActorMesh {
             (Vec3::new(x, (along - 2.0 * size.z) - half.y, size.z * 0.97), Vec3::Z)
         }
     };
-    with_leaves(body, surface, around * size.x, (size, variant))
+    with_leaves(body, surface, sides + ends, (size, variant))
 }

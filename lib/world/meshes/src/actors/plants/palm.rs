@@ -2,10 +2,10 @@
 
 use frames::math::f32::sin_cos;
 use glam::Vec3;
-use schema::Tag;
 use schema::geometry::{MeshPart, Surface, TriMesh};
+use schema::{Normal, Tag};
 
-use super::leaves::{Draws, add_leaf, prepare};
+use super::leaves::{Draws, prepare, push, share};
 use super::levels::{FROM_M, LEVELS, into_levels};
 use crate::actors::ActorMesh;
 use crate::solids::{MeshBuilder, circle};
@@ -18,7 +18,7 @@ const FRONDS: [[usize; 3]; LEVELS] = [[30, 5, 16], [26, 4, 8], [20, 3, 4], [12, 
 /// Adds a leaflet or a part of a blade, lit as it lies.
 fn add_blade(mesh: &mut TriMesh, part: u8, [a, b, c]: [Vec3; 3]) {
     let normal = (b - a).cross(c - a).normalize_or(Vec3::Z);
-    add_leaf(mesh, part, [a, b, c], [normal; 3], 0.92);
+    push(mesh, part, [a, b, c], [Normal::new(normal); 3], [share(0.92); 3]);
 }
 
 /// A palm; it fills its box.

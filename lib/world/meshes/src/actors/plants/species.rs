@@ -12,7 +12,7 @@ pub(super) enum Shape {
     Conical,
     Spherical,
     Hemispherical,
-    Cylindrical,
+    Spindle,
     TendFlame,
 }
 
@@ -31,7 +31,7 @@ impl Shape {
                 let above = (height - 0.15).max(0.0) / 0.85;
                 closed((1.0 - above * above).max(0.0).sqrt())
             }
-            Self::Cylindrical => closed(0.55 + 0.45 * sin_cos(PI * down).0),
+            Self::Spindle => closed(0.28 + 0.72 * sin_cos(PI * down.sqrt()).0),
             Self::TendFlame => closed(0.5 + 0.5 * flame),
         }
     }
@@ -44,10 +44,12 @@ pub(super) struct Leaves {
     pub(super) cluster_m: f32,
     /// How much longer than wide a twig's leaves are.
     pub(super) longer: f32,
-    /// Leaf area over the ground that the crown covers; columns have more of it than wide crowns.
+    /// Leaf area over the ground that the crown covers.
     pub(super) lai: f32,
     /// Share of the way from any direction to straight down in which twigs hang.
     pub(super) hang: f32,
+    /// How much denser they are farther out in the crown: 0 alike, 1 at most.
+    pub(super) shell: f32,
     /// Linear colour.
     pub(super) rgb: [f32; 3],
 }
@@ -67,12 +69,14 @@ pub(super) struct Species {
     /// How far boughs rise on their way out, as a share of that way: at the crown's base and at its top.
     pub(super) rise: [f32; 2],
     pub(super) leaves: Leaves,
+    /// Whether it has leaves in winter, too.
+    pub(super) is_evergreen: bool,
     /// Linear colour.
     pub(super) bark: [f32; 3],
 }
 
-const fn leaves(cluster_m: f32, longer: f32, lai: f32, hang: f32, rgb: [f32; 3]) -> Leaves {
-    Leaves { cluster_m, longer, lai, hang, rgb }
+const fn leaves(cluster_m: f32, longer: f32, lai: f32, [hang, shell]: [f32; 2], rgb: [f32; 3]) -> Leaves {
+    Leaves { cluster_m, longer, lai, hang, shell, rgb }
 }
 
 const GREY: [f32; 3] = [0.16, 0.14, 0.12];
@@ -87,7 +91,8 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.8,
         boughs: [22, 7],
         rise: [0.5, 1.6],
-        leaves: leaves(0.24, 1.5, 4.0, 0.1, [0.075, 0.17, 0.03]),
+        leaves: leaves(0.24, 1.5, 4.0, [0.1, 0.3], [0.075, 0.17, 0.03]),
+        is_evergreen: false,
         bark: GREY,
     },
     Species {
@@ -97,7 +102,8 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.7,
         boughs: [20, 7],
         rise: [0.7, 1.8],
-        leaves: leaves(0.26, 1.2, 4.0, 0.0, [0.085, 0.18, 0.035]),
+        leaves: leaves(0.26, 1.2, 4.0, [0.0, 0.4], [0.085, 0.18, 0.035]),
+        is_evergreen: false,
         bark: GREY,
     },
     Species {
@@ -107,7 +113,8 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.6,
         boughs: [18, 8],
         rise: [0.7, 1.6],
-        leaves: leaves(0.3, 1.2, 3.0, 0.0, [0.13, 0.21, 0.05]),
+        leaves: leaves(0.3, 1.2, 3.0, [0.0, 0.3], [0.13, 0.21, 0.05]),
+        is_evergreen: false,
         bark: [0.36, 0.33, 0.22],
     },
     Species {
@@ -117,7 +124,8 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.75,
         boughs: [20, 7],
         rise: [0.4, 1.5],
-        leaves: leaves(0.32, 1.3, 5.0, 0.15, [0.045, 0.12, 0.025]),
+        leaves: leaves(0.32, 1.3, 5.0, [0.15, 0.3], [0.045, 0.12, 0.025]),
+        is_evergreen: false,
         bark: BROWN,
     },
     Species {
@@ -127,7 +135,8 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.65,
         boughs: [15, 6],
         rise: [1.0, 2.2],
-        leaves: leaves(0.23, 2.2, 2.0, 0.2, [0.12, 0.21, 0.05]),
+        leaves: leaves(0.2, 2.2, 2.0, [0.2, 0.4], [0.12, 0.21, 0.05]),
+        is_evergreen: false,
         bark: BROWN,
     },
     Species {
@@ -137,7 +146,8 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.55,
         boughs: [16, 9],
         rise: [0.35, 1.4],
-        leaves: leaves(0.26, 1.4, 4.0, 0.0, [0.055, 0.13, 0.025]),
+        leaves: leaves(0.26, 1.4, 4.0, [0.0, 0.5], [0.055, 0.13, 0.025]),
+        is_evergreen: false,
         bark: BROWN,
     },
     Species {
@@ -147,7 +157,8 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.75,
         boughs: [16, 6],
         rise: [1.0, 2.0],
-        leaves: leaves(0.24, 1.9, 2.7, 0.15, [0.08, 0.17, 0.045]),
+        leaves: leaves(0.24, 1.9, 2.7, [0.15, 0.4], [0.08, 0.17, 0.045]),
+        is_evergreen: false,
         bark: GREY,
     },
     Species {
@@ -157,7 +168,8 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.92,
         boughs: [22, 5],
         rise: [0.7, 1.6],
-        leaves: leaves(0.2, 1.6, 2.6, 0.6, [0.13, 0.23, 0.05]),
+        leaves: leaves(0.16, 1.6, 2.05, [0.6, 0.5], [0.13, 0.23, 0.05]),
+        is_evergreen: false,
         bark: [0.62, 0.61, 0.57],
     },
     Species {
@@ -167,7 +179,8 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.85,
         boughs: [26, 5],
         rise: [1.8, 3.0],
-        leaves: leaves(0.2, 1.3, 6.0, 0.0, [0.06, 0.14, 0.03]),
+        leaves: leaves(0.17, 1.3, 4.3, [0.0, 0.7], [0.06, 0.14, 0.03]),
+        is_evergreen: false,
         bark: GREY,
     },
     Species {
@@ -177,17 +190,19 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.5,
         boughs: [14, 6],
         rise: [0.9, 1.6],
-        leaves: leaves(0.22, 1.4, 2.5, 0.1, [0.09, 0.16, 0.04]),
+        leaves: leaves(0.22, 1.4, 2.5, [0.1, 0.5], [0.09, 0.16, 0.04]),
+        is_evergreen: false,
         bark: [0.14, 0.08, 0.06],
     },
     Species {
         name: "poplar",
-        shape: Shape::Cylindrical,
+        shape: Shape::Spindle,
         bare: 0.07,
         stem: 0.95,
         boughs: [36, 4],
         rise: [4.0, 5.0],
-        leaves: leaves(0.22, 1.4, 9.0, 0.0, [0.07, 0.16, 0.035]),
+        leaves: leaves(0.14, 1.4, 3.4, [0.0, 1.0], [0.07, 0.16, 0.035]),
+        is_evergreen: false,
         bark: GREY,
     },
     Species {
@@ -197,7 +212,8 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.55,
         boughs: [20, 9],
         rise: [0.6, 1.3],
-        leaves: leaves(0.3, 4.5, 2.5, 0.9, [0.15, 0.21, 0.055]),
+        leaves: leaves(0.3, 4.5, 2.5, [0.9, 0.3], [0.15, 0.21, 0.055]),
+        is_evergreen: false,
         bark: BROWN,
     },
     Species {
@@ -207,7 +223,8 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 1.0,
         boughs: [90, 4],
         rise: [-0.25, 0.5],
-        leaves: leaves(0.26, 2.4, 8.5, 0.1, [0.03, 0.085, 0.045]),
+        leaves: leaves(0.22, 2.4, 6.8, [0.1, 0.3], [0.03, 0.085, 0.045]),
+        is_evergreen: true,
         bark: [0.15, 0.09, 0.06],
     },
     Species {
@@ -217,7 +234,8 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.93,
         boughs: [18, 6],
         rise: [0.2, 0.8],
-        leaves: leaves(0.24, 1.5, 2.5, 0.0, [0.05, 0.11, 0.045]),
+        leaves: leaves(0.2, 1.5, 2.5, [0.0, 0.3], [0.05, 0.11, 0.045]),
+        is_evergreen: true,
         bark: [0.21, 0.125, 0.08],
     },
 ];

@@ -47,7 +47,19 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
     for name in ["tree.broadleaf", "tree.round", "tree.conifer"] {
         all.push((name.to_owned(), [5.5, 5.5, 9.0], 4));
     }
+    // In winter.
+    for name in ["tree.lime.bare", "tree.willow.bare"] {
+        all.push((name.to_owned(), [9.0, 9.0, 15.0], 2));
+    }
     let others = [
+        ("plant.meadow", [4.0, 4.0, 0.5]),
+        ("plant.reed", [4.0, 4.0, 2.0]),
+        ("plant.flowers", [3.0, 1.0, 0.35]),
+        ("plant.maize", [4.0, 4.0, 2.2]),
+        ("plant.wheat", [4.0, 4.0, 0.8]),
+        ("plant.vines", [4.0, 2.0, 1.8]),
+        ("plant.shrubs", [4.0, 4.0, 2.0]),
+        ("plant.climber", [4.0, 0.25, 6.0]),
         ("bush.round", [1.5, 1.5, 1.0]),
         ("bush.hedge", [5.0, 0.8, 1.2]),
         ("prop.bench", [0.55, 1.7, 0.85]),
@@ -98,7 +110,7 @@ fn closed_volume(mesh: &TriMesh) -> (f64, bool) {
     let mut edges: BTreeMap<([i64; 3], [i64; 3]), i32> = BTreeMap::new();
     let mut volume = 0.0;
     for i in 0..mesh.triangles.len() {
-        if mesh.part(i).surface == Surface::Foliage {
+        if matches!(mesh.part(i).surface, Surface::Foliage | Surface::Grass) {
             continue;
         }
         let p = mesh.corners(i);
@@ -125,7 +137,8 @@ fn meshes_are_closed_face_outward_and_have_valid_indices() {
             assert!(mesh.positions.iter().all(|p| p.is_finite()), "{name}");
             let (volume, closed) = closed_volume(mesh);
             assert!(closed, "{name} variant {variant} is open");
-            assert!(volume > 0.0 || name.starts_with("bush"), "{name} is inside out: {volume}");
+            let is_low = name.starts_with("bush") || name.starts_with("plant");
+            assert!(volume > 0.0 || is_low, "{name} is inside out: {volume}");
         }
     }
 }
@@ -200,6 +213,8 @@ fn sizes_in_triangles_are_moderate() {
             5500
         } else if name.starts_with("bush") {
             3500
+        } else if name.starts_with("plant") {
+            1600
         } else {
             1500
         };
