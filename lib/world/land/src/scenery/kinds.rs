@@ -32,33 +32,35 @@ pub const BUILDINGS: [BuildingKind; 5] = [
 pub struct TreeKind {
     /// Model name.
     pub model: &'static str,
+    /// Name of the same tree without leaves; that of evergreens is their own.
+    pub bare: &'static str,
     /// Height, metres.
     pub height_m: [f64; 3],
     /// Diameter of the crown, metres.
     pub crown_m: [f64; 3],
 }
 
-const fn tree(model: &'static str, height_m: [f64; 3], crown_m: [f64; 3]) -> TreeKind {
-    TreeKind { model, height_m, crown_m }
+const fn tree([model, bare]: [&'static str; 2], height_m: [f64; 3], crown_m: [f64; 3]) -> TreeKind {
+    TreeKind { model, bare, height_m, crown_m }
 }
 
 /// Kinds of trees as they grow in streets and parks.
 pub const TREES: [TreeKind; 15] = [
-    tree("tree.lime", [6.0, 15.0, 22.0], [3.0, 9.0, 13.0]),
-    tree("tree.maple", [6.0, 14.0, 20.0], [3.0, 9.0, 13.0]),
-    tree("tree.plane", [7.0, 18.0, 26.0], [4.0, 12.0, 16.0]),
-    tree("tree.chestnut", [6.0, 16.0, 23.0], [3.0, 11.0, 15.0]),
-    tree("tree.robinia", [6.0, 14.0, 21.0], [3.0, 8.0, 12.0]),
-    tree("tree.oak", [5.0, 16.0, 25.0], [3.0, 12.0, 16.0]),
-    tree("tree.ash", [6.0, 17.0, 26.0], [3.0, 10.0, 15.0]),
-    tree("tree.birch", [6.0, 15.0, 21.0], [2.0, 6.0, 9.0]),
-    tree("tree.hornbeam", [4.0, 10.0, 15.0], [1.5, 4.0, 6.0]),
-    tree("tree.cherry", [4.0, 7.0, 10.0], [3.0, 6.0, 8.0]),
-    tree("tree.poplar", [8.0, 20.0, 28.0], [1.5, 3.0, 5.0]),
-    tree("tree.willow", [5.0, 12.0, 17.0], [4.0, 11.0, 15.0]),
-    tree("tree.spruce", [5.0, 16.0, 27.0], [2.5, 5.0, 8.0]),
-    tree("tree.pine", [5.0, 15.0, 24.0], [3.0, 6.0, 9.0]),
-    tree("tree.palm", [5.0, 12.0, 18.0], [4.0, 5.0, 6.0]),
+    tree(["tree.lime", "tree.lime.bare"], [6.0, 15.0, 22.0], [3.0, 9.0, 13.0]),
+    tree(["tree.maple", "tree.maple.bare"], [6.0, 14.0, 20.0], [3.0, 9.0, 13.0]),
+    tree(["tree.plane", "tree.plane.bare"], [7.0, 18.0, 26.0], [4.0, 12.0, 16.0]),
+    tree(["tree.chestnut", "tree.chestnut.bare"], [6.0, 16.0, 23.0], [3.0, 11.0, 15.0]),
+    tree(["tree.robinia", "tree.robinia.bare"], [6.0, 14.0, 21.0], [3.0, 8.0, 12.0]),
+    tree(["tree.oak", "tree.oak.bare"], [5.0, 16.0, 25.0], [3.0, 12.0, 16.0]),
+    tree(["tree.ash", "tree.ash.bare"], [6.0, 17.0, 26.0], [3.0, 10.0, 15.0]),
+    tree(["tree.birch", "tree.birch.bare"], [6.0, 15.0, 21.0], [2.0, 6.0, 9.0]),
+    tree(["tree.hornbeam", "tree.hornbeam.bare"], [4.0, 10.0, 15.0], [1.5, 4.0, 6.0]),
+    tree(["tree.cherry", "tree.cherry.bare"], [4.0, 7.0, 10.0], [3.0, 6.0, 8.0]),
+    tree(["tree.poplar", "tree.poplar.bare"], [8.0, 20.0, 28.0], [1.5, 3.0, 5.0]),
+    tree(["tree.willow", "tree.willow.bare"], [5.0, 12.0, 17.0], [4.0, 11.0, 15.0]),
+    tree(["tree.spruce", "tree.spruce"], [5.0, 16.0, 27.0], [2.5, 5.0, 8.0]),
+    tree(["tree.pine", "tree.pine"], [5.0, 15.0, 24.0], [3.0, 6.0, 9.0]),
+    tree(["tree.palm", "tree.palm"], [5.0, 12.0, 18.0], [4.0, 5.0, 6.0]),
 ];
 
 impl TreeKind {

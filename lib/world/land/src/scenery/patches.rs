@@ -17,8 +17,9 @@ const CLEAR_M: f64 = 1.5;
 /// most, metres.
 const ROOT_M: f64 = 0.05;
 const FLAT_M: f64 = 0.09;
-/// So many patches of a kind and size differ.
-const VARIANTS: u32 = 4;
+/// So many patches of a kind and size differ in shape, and fields and meadows in colour.
+const SHAPES: u32 = 4;
+const COLOURS: u32 = 4;
 
 /// A kind of patch: its model and its height in metres, least and most; heights are quarters of a metre or
 /// tenths, so that patches share meshes.
@@ -48,7 +49,7 @@ pub(crate) fn patches(site: &Site<'_>, uses: &Uses, land: &Land<'_>, drafts: &mu
         // Drawn for every piece of land, so that nothing hangs on what is there.
         let (wanted, second) = (random.unit(), random.unit());
         let density = site.rules.density;
-        let mut cover = Cover { site, land, drafts, random };
+        let mut cover = Cover { site, uses, land, drafts, random };
         match of_land {
             Use::Meadow if is_winter && wanted < density => cover.square(&SHORT_MEADOW, [x, y], PLOT_M, None),
             Use::Meadow if wanted < density => cover.square(&MEADOW, [x, y], PLOT_M, None),
@@ -87,6 +88,7 @@ pub(crate) fn patches(site: &Site<'_>, uses: &Uses, land: &Land<'_>, drafts: &mu
 /// Patches in the making.
 struct Cover<'a, 's> {
     site: &'a Site<'s>,
+    uses: &'a Uses,
     land: &'a Land<'s>,
     drafts: &'a mut Vec<Draft>,
     random: Stream,
@@ -116,7 +118,9 @@ impl Cover<'_, '_> {
     /// A patch, if there is room and the ground is even.
     fn patch(&mut self, kind: &Kind, [x, y]: [f64; 2], side_m: f64, rows_rad: Option<f64>) -> bool {
         let height_m = self.random.choose(kind.heights_m).copied().unwrap_or(0.5);
-        let variant = self.random.next_u32() % VARIANTS;
+        // Patches of one field are of one colour.
+        let colour = self.uses.colour(x, y) % COLOURS;
+        let variant = self.random.next_u32() % SHAPES + SHAPES * colour;
         let turns = f64::from(self.random.next_u32() % 4);
         let yaw_rad = rows_rad.unwrap_or(turns * std::f64::consts::FRAC_PI_2);
         let rect = OrientedRect::square([x, y], 0.5 * side_m);
@@ -224,6 +228,10 @@ mod tests {
         let shrubs = |seen: &BTreeMap<String, usize>| seen.get("plant.shrubs").copied().unwrap_or(0);
         assert!(shrubs(&twice) > shrubs(&some) && shrubs(&some) > 0, "{some:?} {twice:?}");
         let winter = count(1.0, Season::Winter);
+        let with_leaves = |model: &&String| model.starts_with("tree.") && !model.ends_with(".bare");
+        let evergreens = ["tree.spruce", "tree.pine", "tree.palm"];
+        assert!(winter.keys().filter(with_leaves).all(|m| evergreens.contains(&m.as_str())), "{winter:?}");
+        assert!(winter.contains_key("tree.oak.bare") && some.contains_key("tree.oak"), "{winter:?}");
         assert!(
             ["plant.maize", "plant.wheat"].iter().all(|m| some.contains_key(*m) && !winter.contains_key(*m))
         );

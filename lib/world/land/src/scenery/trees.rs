@@ -4,6 +4,7 @@ use frames::OrientedRect;
 use nalgebra::Point3;
 use random::Stream;
 use schema::{ActorKind, Tag};
+use settings::Season;
 
 use crate::scenery::claims::{Candidate, rank, settle};
 use crate::scenery::draft::Draft;
@@ -243,7 +244,7 @@ fn tree_candidate(
     let room = square(if kerb.is_some() { PIT_M } else { (0.22 * size_m[0]).clamp(0.5, APART_M) });
     let plant = Plant {
         kind: ActorKind::Vegetation,
-        model: wish.kind.model,
+        model: if site.rules.season == Season::Winter { wish.kind.bare } else { wish.kind.model },
         tag: Tag::Vegetation,
         size_m,
         near_z_m: at.z,

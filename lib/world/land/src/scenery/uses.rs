@@ -139,6 +139,12 @@ impl Uses {
         FIELDS[draw(&mut random, &FIELDS.map(|(_, share)| share))].0
     }
 
+    /// Tells fields and meadows beside one another apart.
+    pub(crate) fn colour(&self, x: f64, y: f64) -> u32 {
+        let [i, j] = [x, y].map(|v| (v / FIELD_M).floor() as i32);
+        self.stream("world/uses/colour", i, j).next_u32()
+    }
+
     /// Which way the rows of the field around a place run, radians from east.
     pub(crate) fn rows_rad(&self, x: f64, y: f64) -> f64 {
         let [i, j] = [x, y].map(|v| (v / FIELD_M).floor() as i32);

@@ -20,7 +20,7 @@ const FROM_M: [f64; 3] = [15.0, 40.0, 100.0];
 /// So many of a kind differ in where their leaves are, and in so many ways are they coloured.
 const VARIANTS: u32 = 4;
 /// Patches that are larger than usual have at most so many times as many triangles.
-const MOST: f32 = 1.45;
+const MOST: f32 = 4.0;
 
 /// So much brighter [`Surface::Foliage`] has to be to look as [`Surface::Grass`] does.
 const FOLIAGE_DARKER: f32 = 1.6;
