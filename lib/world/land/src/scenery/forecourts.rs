@@ -114,17 +114,20 @@ fn court(site: &Site<'_>, house: &Candidate<House<'_>>, land: &Land<'_>) -> Opti
     {
         return None;
     }
-    let out_m = half[0] + 0.5 * depth_m;
+    // Under awnings and balconies to the wall.
+    let recess_m = house.what.kind.recess_m;
+    let out_m = half[0] + 0.5 * (depth_m - recess_m);
     let rect = OrientedRect {
         centre_m: [cx + out_m * ax, cy + out_m * ay],
         axis: [ax, ay],
-        half_m: [0.5 * depth_m, half[1]],
+        half_m: [0.5 * (depth_m + recess_m), half[1]],
     };
-    // What is taken there is taken by the house itself, with what it keeps free.
-    let before = OrientedRect { half_m: [rect.half_m[0] - AROUND_M - 0.05, rect.half_m[1]], ..rect };
+    // Near the wall the house itself has taken the ground, with what it keeps free.
+    let taken_m = recess_m + AROUND_M + 0.05;
     let before = OrientedRect {
-        centre_m: [before.centre_m[0] + (AROUND_M + 0.05) * ax, before.centre_m[1] + (AROUND_M + 0.05) * ay],
-        ..before
+        centre_m: [rect.centre_m[0] + 0.5 * taken_m * ax, rect.centre_m[1] + 0.5 * taken_m * ay],
+        half_m: [rect.half_m[0] - 0.5 * taken_m, rect.half_m[1]],
+        ..rect
     };
     if before.half_m[0] <= 0.0 || !land.free(&before) || !land.off_road(&rect) {
         return None;
@@ -161,9 +164,10 @@ mod tests {
             let [x, y, z] = court.xyz_m;
             assert!(!meets_lanes(&map, &rect, z), "at {x} {y}");
             for other in objects.iter().filter(|o| o.model != "prop.forecourt" && o.xyz_m != court.xyz_m) {
-                let is_beside = other.model.starts_with("building.") || other.model.starts_with("plant.");
-                let shrunk = rect.grown(-0.05);
-                assert!(!is_beside || !footprint(other).meets(&shrunk), "{} at {x} {y}", other.model);
+                // It ends at the wall, which stands back in the house's box.
+                let by = if other.model.starts_with("building.") { -0.85 } else { -0.05 };
+                let is_beside = by < -0.5 || other.model.starts_with("plant.");
+                assert!(!is_beside || !footprint(other).meets(&rect.grown(by)), "{} at {x} {y}", other.model);
             }
             // The sidewalk's height beside the middle of its front.
             let [x, y] = rect.at(1.0, 0.0);

@@ -11,20 +11,29 @@ pub struct BuildingKind {
     pub depth_m: [f64; 2],
     /// Fewest and most storeys.
     pub storeys: [i64; 2],
+    /// The front wall stands so far behind the front of the box, metres: in between are steps, balconies and
+    /// awnings.
+    pub recess_m: f64,
 }
 
-const fn kind(model: &'static str, width_m: [f64; 2], depth_m: [f64; 2], storeys: [i64; 2]) -> BuildingKind {
-    BuildingKind { model, width_m, depth_m, storeys }
+const fn kind(
+    model: &'static str,
+    width_m: [f64; 2],
+    depth_m: [f64; 2],
+    storeys: [i64; 2],
+    recess_m: f64,
+) -> BuildingKind {
+    BuildingKind { model, width_m, depth_m, storeys, recess_m }
 }
 
 /// Kinds of buildings. None has a diagonal of more than 42 m: what is placed around them depends on that
 /// (`site::reach_m`).
 pub const BUILDINGS: [BuildingKind; 5] = [
-    kind("building.block", [14.0, 28.0], [11.0, 16.0], [3, 7]),
-    kind("building.tower", [18.0, 30.0], [16.0, 24.0], [9, 20]),
-    kind("building.house", [8.0, 13.0], [8.0, 11.0], [2, 3]),
-    kind("building.shop", [12.0, 24.0], [10.0, 16.0], [1, 2]),
-    kind("building.hall", [22.0, 34.0], [18.0, 24.0], [2, 3]),
+    kind("building.block", [14.0, 28.0], [11.0, 16.0], [3, 7], 0.8),
+    kind("building.tower", [18.0, 30.0], [16.0, 24.0], [9, 20], 0.2),
+    kind("building.house", [8.0, 13.0], [8.0, 11.0], [2, 3], 0.4),
+    kind("building.shop", [12.0, 24.0], [10.0, 16.0], [1, 2], 0.8),
+    kind("building.hall", [22.0, 34.0], [18.0, 24.0], [2, 3], 0.05),
 ];
 
 /// A kind of tree and how large it is young, grown and old.

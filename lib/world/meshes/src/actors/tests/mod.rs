@@ -31,8 +31,8 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
     }
     all.extend(PARKED_TWO_WHEELERS.iter().map(|model| (model.name.to_owned(), model.size_m, 0)));
     all.extend(trains::sections().map(|model| (model.name.to_owned(), model.size_m, 0)));
-    for BuildingKind { model, width_m, depth_m, storeys } in BUILDINGS {
-        for (share, variant) in [(0, 0), (1, 5), (1, 13)] {
+    for BuildingKind { model, width_m, depth_m, storeys, .. } in BUILDINGS {
+        for (share, variant) in [(0, 0), (1, 5), (1, 13), (0, 2), (1, 24)] {
             let size = [depth_m[share], width_m[share], 3.0 * storeys[share] as f64 + 2.0];
             all.push((model.to_owned(), size, variant));
         }
@@ -67,6 +67,12 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
         ("prop.rack", [1.0, 0.06, 0.85]),
         ("prop.fence", [6.0, 0.1, 1.1]),
         ("prop.wall", [6.0, 0.3, 1.4]),
+        ("prop.boards", [3.0, 0.1, 1.75]),
+        ("prop.wire", [3.0, 0.08, 1.5]),
+        ("prop.forecourt", [4.0, 18.0, 0.3]),
+        ("prop.tree_pit", [1.0, 1.0, 0.04]),
+        ("prop.tree_stakes", [0.75, 0.75, 1.8]),
+        ("prop.tree_grate", [1.0, 1.0, 0.03]),
         ("prop.rock", [1.0, 1.0, 0.7]),
         ("pole.lamp", [2.4, 0.28, 7.5]),
         ("rsu.pole", [0.4, 0.4, 3.5]),

@@ -1,10 +1,17 @@
 //! Houses, blocks, towers, shops and halls.
+//!
+//! A building stands in its box; what sticks out of its front wall stays inside of that.
+
+mod block;
+mod parts;
+mod shops;
 
 use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{MeshPart, Surface, TriMesh, Wall};
 
 use crate::solids::MeshBuilder;
+use parts::{cornice, door, downpipe, storeys};
 
 const TAG: Tag = Tag::Building;
 
@@ -60,9 +67,9 @@ pub(crate) fn building(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> 
     let look = BuildingStyle::of(kind, variant);
     let mut b = MeshBuilder::new();
     match kind {
-        "house" => house(&mut b, size, &look),
+        "house" => house(&mut b, size, &look, variant),
         "tower" => tower(&mut b, size, &look, variant),
-        "shop" | "block" => block(&mut b, size, &look, variant, kind == "block"),
+        "shop" | "block" => block::block(&mut b, size, &look, variant, kind == "block"),
         "hall" => hall(&mut b, size, &look),
         _ => return None,
     }
@@ -71,12 +78,12 @@ pub(crate) fn building(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> 
 }
 
 /// A house with a gable roof.
-fn house(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle) {
+fn house(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle, variant: u32) {
     let half = 0.5 * size;
-    let BuildingStyle { wall_rgb, wall, base, flat_roof, tiles, .. } = *look;
+    let BuildingStyle { wall_rgb, wall, base, trim, flat_roof, tiles, .. } = *look;
     let eaves = 0.64 * size.z;
     let (x, y) = (half.x - 0.45, half.y - 0.30);
-    storeys(b, wall, base, flat_roof, [x, y], [0.0, eaves], 0.4);
+    storeys(b, wall, base, flat_roof, (Vec3::ZERO, [x, y]), [0.0, eaves], 0.4);
     // A gable roof with its ridge along y, overhanging on all sides, and its gable walls under it.
     let ring = |y: f32, x: f32, drop: f32| {
         vec![
@@ -97,6 +104,39 @@ fn house(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle) {
         Vec3::new(-0.35 * half.x - 0.3, 0.3 * half.y, eaves),
         Vec3::new(-0.35 * half.x + 0.3, 0.3 * half.y + 0.6, size.z),
     );
+    // Gutters along the eaves, and pipes down from them.
+    let zinc = MeshPart::new(TAG, Surface::Metal, [0.30, 0.31, 0.31]);
+    for side in [-1.0, 1.0] {
+        let gutter = |y: f32| Vec3::new(side * (half.x - 0.06), y * half.y, eaves - 0.09);
+        b.bar(zinc, gutter(-1.0), gutter(1.0), [0.06; 2], 6);
+        downpipe(b, [side * (x + 0.07), side * (y - 0.2)], [0.0, eaves]);
+    }
+    // The way up to the ridge is even: where a dormer's foot and its top meet the slope.
+    let slope_x = |z: f32| half.x * (1.0 - (z - eaves) / (size.z - eaves));
+    let places: &[f32] = [&[0.0][..], &[-0.45, 0.45], &[0.4]][variant as usize / 2 % 3];
+    for at in places.iter().filter(|_| size.z - eaves > 2.2 && variant % 5 != 0) {
+        let (at, z) = (at * half.y, [eaves + 0.35, eaves + 1.65]);
+        let (front, behind) = (slope_x(z[0]), slope_x(z[1]) - 0.1);
+        b.cuboid(wall, Vec3::new(behind, at - 0.85, z[0]), Vec3::new(front, at + 0.85, z[1]));
+        b.cuboid(
+            trim,
+            Vec3::new(behind - 0.2, at - 1.0, z[1]),
+            Vec3::new(front + 0.15, at + 1.0, z[1] + 0.12),
+        );
+    }
+    let stone = MeshPart::new(TAG, Surface::Concrete, [0.38, 0.37, 0.35]);
+    for (k, height) in [0.34, 0.17].into_iter().enumerate() {
+        let out = x + 0.2 * (k + 1) as f32;
+        b.cuboid(stone, Vec3::new(x - 0.1, -0.9, 0.0), Vec3::new(out.min(half.x), 0.9, height));
+    }
+    if variant % 3 == 1 && y > 3.2 {
+        // A bay of windows beside the door.
+        let side = if variant.is_multiple_of(2) { 0.55 } else { -0.55 };
+        let [low, high] = [side * y - 1.15, side * y + 1.15];
+        b.cuboid(base, Vec3::new(x - 0.1, low, 0.0), Vec3::new(half.x - 0.04, high, 0.7));
+        b.cuboid(wall, Vec3::new(x - 0.1, low, 0.7), Vec3::new(half.x - 0.05, high, 2.65));
+        b.cuboid(trim, Vec3::new(x - 0.1, low - 0.1, 2.65), Vec3::new(half.x, high + 0.1, 2.8));
+    }
     door(b, x, half.x - 0.1, 0.0);
 }
 
@@ -107,22 +147,22 @@ fn tower(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle, variant: u32) {
     let inset = 0.25;
     let podium = (0.18 * size.z).min(8.0);
     let (x, y) = (half.x - inset, half.y - inset);
-    storeys(b, wall, base, flat_roof, [x, y], [0.0, podium], 0.6);
+    storeys(b, wall, base, flat_roof, (Vec3::ZERO, [x, y]), [0.0, podium], 0.6);
     let slim = [0.86 * x, 0.86 * y];
     let step = if variant.is_multiple_of(2) { 0.78 } else { 0.999 };
-    storeys(b, wall, trim, flat_roof, slim, [podium, step * (size.z - 3.0)], 0.3);
+    storeys(b, wall, trim, flat_roof, (Vec3::ZERO, slim), [podium, step * (size.z - 3.0)], 0.3);
     if step < 0.9 {
         storeys(
             b,
             wall,
             trim,
             flat_roof,
-            [0.8 * slim[0], 0.8 * slim[1]],
+            (Vec3::ZERO, [0.8 * slim[0], 0.8 * slim[1]]),
             [step * (size.z - 3.0), size.z - 3.0],
             0.3,
         );
     }
-    cornice(b, trim, [half.x, half.y], podium - 0.12, 0.35);
+    cornice(b, trim, (Vec3::ZERO, [half.x, half.y]), podium - 0.12, 0.35);
     let plant = MeshPart::new(TAG, Surface::Metal, [0.35; 3]);
     b.cuboid(
         plant,
@@ -132,43 +172,6 @@ fn tower(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle, variant: u32) {
     door(b, x, half.x, 0.25 * half.y);
 }
 
-/// Floors over shops.
-fn block(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle, variant: u32, balconies: bool) {
-    let half = 0.5 * size;
-    let BuildingStyle { wall, base, trim, flat_roof, .. } = *look;
-    let inset = 0.25;
-    let ground = 3.8f32.min(0.8 * size.z);
-    let (x, y) = (half.x - inset, half.y - inset);
-    let shop = MeshPart::new(TAG, Surface::Glass, [0.06, 0.07, 0.08]);
-    let top = size.z - 0.9;
-    storeys(b, wall, base, flat_roof, [x, y], [0.0, top], 0.5);
-    // Shop windows across the front between piers, with an awning or a band over them.
-    let bays = ((2.0 * y) / 3.6).floor().max(1.0) as usize;
-    for i in 0..bays {
-        let y0 = -y + 2.0 * y * i as f32 / bays as f32;
-        let y1 = y0 + 2.0 * y / bays as f32;
-        b.cuboid(shop, Vec3::new(x - 0.2, y0 + 0.35, 0.5), Vec3::new(x + 0.06, y1 - 0.35, ground - 0.9));
-    }
-    cornice(b, trim, [half.x, half.y], ground, 0.30);
-    if (variant / 3).is_multiple_of(2) && balconies {
-        let rail = MeshPart::new(TAG, Surface::Metal, [0.18; 3]);
-        let floors = ((top - ground) / 3.0).floor() as usize;
-        for floor in 1..floors {
-            for side in [-0.5, 0.5] {
-                let z = ground + 3.0 * floor as f32;
-                let (y0, y1) = (side * y - 1.3, side * y + 1.3);
-                b.cuboid(trim, Vec3::new(x - 0.05, y0, z - 0.14), Vec3::new(half.x, y1, z));
-                b.cuboid(rail, Vec3::new(half.x - 0.05, y0, z), Vec3::new(half.x, y1, z + 0.95));
-            }
-        }
-    }
-    parapet(b, trim, [x, y], top, size.z - 0.3);
-    let unit = MeshPart::new(TAG, Surface::Metal, [0.4; 3]);
-    b.cuboid(unit, Vec3::new(-0.5 * x, -0.3 * y, top), Vec3::new(-0.1 * x, 0.1 * y, size.z));
-    cornice(b, trim, [half.x - 0.05, half.y - 0.05], top - 0.1, 0.2);
-    door(b, x, half.x - 0.1, 0.0);
-}
-
 /// A hall with a shed roof.
 fn hall(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle) {
     let half = 0.5 * size;
@@ -176,7 +179,7 @@ fn hall(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle) {
     let (x, y) = (half.x - 0.1, half.y - 0.1);
     let metal = MeshPart::new(TAG, Surface::Metal, wall_rgb);
     let top = 0.9 * size.z;
-    storeys(b, metal, base, flat_roof, [x, y], [0.0, top], 0.8);
+    storeys(b, metal, base, flat_roof, (Vec3::ZERO, [x, y]), [0.0, top], 0.8);
     // A shed roof in ridges along x.
     let ridges = 3;
     for i in 0..ridges {
@@ -199,49 +202,4 @@ fn hall(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle) {
             Vec3::new(half.x, share * y + 1.9, 0.5 * top),
         );
     }
-}
-
-/// A block of walls from `z[0]` to `z[1]` with a plinth of some height.
-fn storeys(
-    b: &mut MeshBuilder,
-    wall: MeshPart,
-    base: MeshPart,
-    roof: MeshPart,
-    half: [f32; 2],
-    z: [f32; 2],
-    plinth: f32,
-) {
-    let ring = |z: f32| {
-        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
-            .map(|(x, y)| Vec3::new(x * half[0], y * half[1], z))
-            .to_vec()
-    };
-    b.loft(
-        &[ring(z[0]), ring(z[0] + plinth), ring(z[1])],
-        |k, _| if k == 0 { base } else { wall },
-        [base, roof],
-    );
-}
-
-fn cornice(b: &mut MeshBuilder, trim: MeshPart, half: [f32; 2], z: f32, height: f32) {
-    b.cuboid(trim, Vec3::new(-half[0], -half[1], z - height), Vec3::new(half[0], half[1], z));
-}
-
-fn parapet(b: &mut MeshBuilder, trim: MeshPart, half: [f32; 2], low: f32, high: f32) {
-    let [x, y] = half;
-    for (min, max) in [
-        ((-x, -y), (x, -y + 0.3)),
-        ((-x, y - 0.3), (x, y)),
-        ((-x, -y + 0.3), (-x + 0.3, y - 0.3)),
-        ((x - 0.3, -y + 0.3), (x, y - 0.3)),
-    ] {
-        b.cuboid(trim, Vec3::new(min.0, min.1, low), Vec3::new(max.0, max.1, high));
-    }
-}
-
-fn door(b: &mut MeshBuilder, wall_x: f32, front_x: f32, y: f32) {
-    let wood = MeshPart::new(Tag::Building, Surface::Wood, [0.16, 0.09, 0.05]);
-    b.cuboid(wood, Vec3::new(wall_x - 0.15, y - 0.6, 0.0), Vec3::new(wall_x + 0.05, y + 0.6, 2.2));
-    let canopy = MeshPart::new(Tag::Building, Surface::Concrete, [0.3; 3]);
-    b.cuboid(canopy, Vec3::new(wall_x - 0.1, y - 0.9, 2.35), Vec3::new(front_x, y + 0.9, 2.5));
 }
