@@ -56,7 +56,7 @@ pub(super) fn flowers(size: Vec3, look: Look) -> ActorMesh {
 
 /// Undergrowth: bushes that grow into one another.
 pub(super) fn shrubs(size: Vec3, look: Look) -> ActorMesh {
-    let budget = Budget { on_m2: 16.0, triangles: [1440.0, 500.0, 130.0, 36.0] };
+    let budget = Budget { on_m2: 16.0, triangles: [1400.0, 500.0, 130.0, 36.0] };
     let triangles = budget.on((size.x * size.y).min(budget.on_m2));
     let mut patch = Patch::new(size, Surface::Foliage, triangles[0]);
     let mut draws = look.draws(76);
@@ -112,14 +112,14 @@ pub(super) fn shrubs(size: Vec3, look: Look) -> ActorMesh {
 
 /// What climbs up a wall at the back face of the box (least y): leaves hang before it and look along y.
 pub(super) fn climber(size: Vec3, look: Look) -> ActorMesh {
-    let budget = Budget { on_m2: 16.0, triangles: [1000.0, 350.0, 90.0, 24.0] };
-    let triangles = budget.on(size.x * size.z);
+    let budget = Budget { on_m2: 16.0, triangles: [1200.0, 400.0, 110.0, 28.0] };
+    let triangles = budget.on((size.x * size.z).min(20.0));
     let mut patch = Patch::new(size, Surface::Foliage, triangles[0]);
     let mut draws = look.draws(77);
     // Ivy, wild vine in summer and in autumn, another ivy.
     let green = [[0.045, 0.11, 0.03], [0.08, 0.16, 0.035], [0.3, 0.06, 0.03], [0.06, 0.13, 0.035]];
     let greens = patch.shades(look.tinted(green));
-    let side = (2.0 * 1.7 * size.x * size.z / triangles[0]).sqrt().clamp(0.1, 0.4);
+    let side = (2.0 * 1.5 * size.x * size.z / triangles[0]).sqrt().clamp(0.1, 0.4);
     let [one, other, third] = [0, 1, 2].map(|_| draws.uniform(0.0, 6.0));
     // How high it reaches by place along the wall, as a share.
     let reach = |x: f32| {
