@@ -198,14 +198,15 @@ impl Wood {
                 [1.0, 1.1, 1.3, 1.6][level],
             );
         }
-        for twig in self.twigs.iter().step_by([1, 1, 2, 5][level]) {
+        let twigs = || self.twigs.iter().step_by([1, 1, 2, 5][level]);
+        for twig in twigs() {
             carver.stem(twig, young, [3, [1, 2, 2, 2][level]], [1.25, 1.7, 2.5, 3.5][level]);
         }
         let (count, thicker) = SHOOTS[level];
         let mut draws = Draws::new(variant, 60);
         // Long limbs have more of them.
         let limbs: Vec<(f32, &Stem)> =
-            self.twigs.iter().chain(&self.boughs).map(|limb| (limb.length_m(), limb)).collect();
+            twigs().chain(&self.boughs).map(|limb| (limb.length_m(), limb)).collect();
         let whole: f32 = limbs.iter().map(|(length, _)| length).sum();
         let (mut i, mut passed) = (0, 0.0);
         for k in 0..count {

@@ -119,14 +119,14 @@ pub(super) fn climber(size: Vec3, look: Look) -> ActorMesh {
     // Ivy, wild vine in summer and in autumn, another ivy.
     let green = [[0.045, 0.11, 0.03], [0.08, 0.16, 0.035], [0.3, 0.06, 0.03], [0.06, 0.13, 0.035]];
     let greens = patch.shades(look.tinted(green));
-    let side = (2.0 * 1.5 * size.x * size.z / triangles[0]).sqrt().clamp(0.1, 0.4);
+    let side = (2.0 * 1.7 * size.x * size.z / triangles[0]).sqrt().clamp(0.1, 0.4);
     let [one, other, third] = [0, 1, 2].map(|_| draws.uniform(0.0, 6.0));
     // How high it reaches by place along the wall, as a share.
     let reach = |x: f32| {
         let (a, _) = sin_cos(one + 2.3 * x);
         let (b, _) = sin_cos(other + 5.1 * x);
         let (c, _) = sin_cos(third + 0.9 * x);
-        (0.82 + 0.08 * a + 0.03 * b + 0.12 * c).clamp(0.4, 1.0)
+        (0.88 + 0.07 * a + 0.03 * b + 0.08 * c).clamp(0.5, 1.0)
     };
     for i in 0..triangles[0] as usize {
         let x = size.x * ((0.618_034 * i as f32).fract() - 0.5);
@@ -134,7 +134,7 @@ pub(super) fn climber(size: Vec3, look: Look) -> ActorMesh {
         let end = (2.0 * x / size.x).abs();
         let high = size.z * reach(x) * (1.0 - 0.35 * end * end * end * end);
         let u = draws.unit();
-        let z = (0.02 + 0.98 * u * (0.75 + 0.25 * u)) * high;
+        let z = (0.02 + 0.98 * u * (0.9 + 0.1 * u)) * high;
         let y = size.y * (draws.unit() - 0.5);
         let face = Vec3::Y + draws.direction() * 0.75 + Vec3::Z * 0.15;
         let way = Vec3::new(draws.uniform(-0.6, 0.6), 0.2, -1.0);
