@@ -1,7 +1,7 @@
-//! Draws plants: `cargo run -p convoy-sensors --example plants -- FOLDER [--levels] [KIND ...]`. One sheet for
-//! each kind of tree, in leaf and bare: young, grown and old, or a grown one as it is farther away; one for
-//! each kind of patch: nine side by side, or three by three at each level; one of bushes and hedges. Prints
-//! how many triangles the levels have.
+//! Draws plants: `cargo run -p convoy-sensors --example plants -- FOLDER [--levels] [KIND ...]`. One sheet
+//! for each kind of tree, in leaf and bare: young, grown and old, or a grown one as it is farther away; one
+//! for each kind of patch: nine side by side, or as many at each level; one of bushes and hedges. Prints how
+//! many triangles the levels have.
 
 mod stage;
 
@@ -106,8 +106,14 @@ fn patches(
     let mut stage = lawn();
     let [x, y, z] = size_m;
     let mut counts = Vec::new();
-    // What climbs looks along y: it is turned to the camera, and stands in one row.
-    let (rows, turn_deg) = if model == "plant.climber" { (1, 180.0) } else { (3, 0.0) };
+    // What climbs looks along y: it is turned to the camera, and stands in one row at a wall.
+    let climbs = model == "plant.climber";
+    let (rows, turn_deg) = if climbs { (1, 180.0) } else { (3, 0.0) };
+    if climbs {
+        let wall = testkit::block([60.0, 0.3, 1.1 * z as f32], Tag::Building, Surface::Concrete);
+        let (layer, mesh) = (Layer::Bridge, TriMesh::clone(&wall));
+        stage.add_ground(SurfaceMesh { layer, origin_m: [0.0, 0.5 * y + 0.16, 0.0], mesh }, [0.0; 3]);
+    }
     for level in 0..if of_levels { 4 } else { 1 } {
         let middle = if of_levels { (level as f64 - 1.5) * (3.0 * x + 1.5) } else { 0.0 };
         for (i, j) in (0..3).flat_map(|i| (0..rows).map(move |j| (i, j))) {
@@ -120,7 +126,7 @@ fn patches(
     }
     let (name, away_m, down_deg) = match (of_levels, y < 0.5, y < 1.5) {
         (true, ..) => ("-levels", 4.6 * x, 5.0),
-        (_, true, _) => ("", 5.0, -4.0),
+        (_, true, _) => ("", 6.0, 0.0),
         (_, _, true) => ("", 1.2, 30.0),
         _ => ("", 2.0 + 0.5 * z, 12.0),
     };
