@@ -1,7 +1,6 @@
 //! What covers open land: patches of meadow, shrubs and crops that fill a square each.
 
 use frames::OrientedRect;
-use nalgebra::Vector2;
 use random::Stream;
 use schema::{ActorKind, Tag};
 use settings::Season;
@@ -17,6 +16,8 @@ const CLEAR_M: f64 = 1.5;
 /// most, metres.
 const ROOT_M: f64 = 0.05;
 const FLAT_M: f64 = 0.09;
+/// The steepest ground under one, rise over run.
+const STEEPEST: f64 = 0.4;
 /// So many patches of a kind and size differ in shape, and fields and meadows in colour.
 const SHAPES: u32 = 4;
 const COLOURS: u32 = 4;
@@ -26,16 +27,20 @@ const COLOURS: u32 = 4;
 struct Kind {
     model: &'static str,
     heights_m: &'static [f64],
-    /// Sides that are tried, from the largest on.
+    /// Lengths along rows that are tried, from the largest on, and how wide a patch is at the most.
     sides_m: &'static [f64],
+    widest_m: f64,
 }
 
-const MEADOW: Kind = Kind { model: "plant.meadow", heights_m: &[0.3, 0.45, 0.6], sides_m: &[8.0, 4.0] };
+const MEADOW: Kind =
+    Kind { model: "plant.meadow", heights_m: &[0.3, 0.45, 0.6], sides_m: &[8.0, 4.0], widest_m: 8.0 };
 const SHORT_MEADOW: Kind = Kind { heights_m: &[0.2, 0.3], ..MEADOW };
-const SHRUBS: Kind = Kind { model: "plant.shrubs", heights_m: &[1.25, 1.75, 2.25], sides_m: &[4.0] };
-const MAIZE: Kind = Kind { model: "plant.maize", heights_m: &[2.2], sides_m: &[8.0, 4.0] };
-const WHEAT: Kind = Kind { model: "plant.wheat", heights_m: &[0.8], sides_m: &[8.0, 4.0] };
-const VINES: Kind = Kind { model: "plant.vines", heights_m: &[1.8], sides_m: &[8.0, 4.0] };
+const SHRUBS: Kind =
+    Kind { model: "plant.shrubs", heights_m: &[1.25, 1.75, 2.25], sides_m: &[4.0], widest_m: 4.0 };
+const MAIZE: Kind = Kind { model: "plant.maize", heights_m: &[2.2], sides_m: &[8.0, 4.0], widest_m: 8.0 };
+const WHEAT: Kind = Kind { model: "plant.wheat", heights_m: &[0.8], sides_m: &[8.0, 4.0], widest_m: 8.0 };
+/// A patch of vines is one row.
+const VINES: Kind = Kind { model: "plant.vines", heights_m: &[1.8], sides_m: &[8.0, 4.0], widest_m: 2.0 };
 
 /// Covers the open land of the area. Patches take no ground: what is put there later stands in them.
 pub(crate) fn patches(site: &Site<'_>, uses: &Uses, land: &Land<'_>, drafts: &mut Vec<Draft>) {
@@ -95,10 +100,19 @@ struct Cover<'a, 's> {
 }
 
 impl Cover<'_, '_> {
-    /// A patch over a square, or smaller ones over its quarters where that does not fit. Without rows it is
-    /// turned by a whole number of quarter turns.
+    /// Patches over a square, or smaller ones over its quarters where that does not fit.
     fn square(&mut self, kind: &Kind, [x, y]: [f64; 2], side_m: f64, rows_rad: Option<f64>) {
-        if kind.sides_m.contains(&side_m) && self.patch(kind, [x, y], side_m, rows_rad) {
+        let wide_m = side_m.min(kind.widest_m);
+        let rows = (side_m / wide_m).round() as usize;
+        let (sin, cos) = frames::math::sin_cos(rows_rad.unwrap_or(0.0));
+        let middle_of = |k: usize| {
+            let left_m = (k as f64 + 0.5) * wide_m - 0.5 * side_m;
+            [x - left_m * sin, y + left_m * cos]
+        };
+        if kind.sides_m.contains(&side_m)
+            && (0..rows).all(|k| self.fits(&rect(middle_of(k), [side_m, wide_m], rows_rad)))
+        {
+            (0..rows).for_each(|k| self.put(kind, &rect(middle_of(k), [side_m, wide_m], rows_rad)));
             return;
         }
         let half_m = 0.5 * side_m;
@@ -112,56 +126,69 @@ impl Cover<'_, '_> {
     /// A patch on one of the quarters of a piece of land.
     fn quarter(&mut self, kind: &Kind, [x, y]: [f64; 2]) {
         let [u, v] = [0, 1].map(|_| if self.random.chance(0.5) { 0.25 } else { -0.25 });
-        self.patch(kind, [x + u * PLOT_M, y + v * PLOT_M], 0.5 * PLOT_M, None);
+        let turns = f64::from(self.random.next_u32() % 4);
+        let rect = rect(
+            [x + u * PLOT_M, y + v * PLOT_M],
+            [0.5 * PLOT_M; 2],
+            Some(turns * std::f64::consts::FRAC_PI_2),
+        );
+        if self.fits(&rect) {
+            self.put(kind, &rect);
+        }
     }
 
-    /// A patch, if there is room and the ground is even.
-    fn patch(&mut self, kind: &Kind, [x, y]: [f64; 2], side_m: f64, rows_rad: Option<f64>) -> bool {
+    /// Whether there is room, and the ground is even.
+    fn fits(&self, rect: &OrientedRect) -> bool {
+        let is_free =
+            self.land.unused(rect) && self.land.off_road(&rect.grown(CLEAR_M)) && self.land.is_dry(rect);
+        is_free && self.plane(rect).is_some()
+    }
+
+    /// Puts a patch on some ground.
+    fn put(&mut self, kind: &Kind, rect: &OrientedRect) {
         let height_m = self.random.choose(kind.heights_m).copied().unwrap_or(0.5);
+        let [x, y] = rect.centre_m;
         // Patches of one field are of one colour.
         let colour = self.uses.colour(x, y) % COLOURS;
         let variant = self.random.next_u32() % SHAPES + SHAPES * colour;
-        let turns = f64::from(self.random.next_u32() % 4);
-        let yaw_rad = rows_rad.unwrap_or(turns * std::f64::consts::FRAC_PI_2);
-        let rect = OrientedRect::square([x, y], 0.5 * side_m);
-        if !self.land.unused(&rect) || !self.land.off_road(&rect.grown(CLEAR_M)) || !self.land.is_dry(&rect) {
-            return false;
-        }
-        let Some((z_m, slope)) = self.plane(&rect) else { return false };
-        // Slopes along the patch's own axes.
-        let (sin, cos) = frames::math::sin_cos(yaw_rad);
-        let (ahead, left) = (slope.x * cos + slope.y * sin, slope.y * cos - slope.x * sin);
+        let Some((z_m, [ahead, left])) = self.plane(rect) else { return };
+        let [cos, sin] = rect.axis;
         let pitch_rad = -frames::math::atan2(ahead, 1.0);
         let roll_rad = frames::math::atan2(left * frames::math::sin_cos(pitch_rad).1, 1.0);
-        let (size_m, xyz) = ([side_m, side_m, height_m], [x, y, z_m - ROOT_M]);
+        let yaw_rad = frames::math::atan2(sin, cos);
+        let size_m = [2.0 * rect.half_m[0], 2.0 * rect.half_m[1], height_m];
+        let xyz = [x, y, z_m - ROOT_M];
         let mut draft = Draft::new(ActorKind::Vegetation, kind.model, Tag::Vegetation, size_m, xyz, yaw_rad);
         draft.rpy_rad = [roll_rad, pitch_rad, yaw_rad];
         draft.variant = variant;
         self.drafts.push(draft);
-        true
     }
 
-    /// Height of the land in the middle of a square, and its slope along x and y; none where it is uneven.
-    fn plane(&self, rect: &OrientedRect) -> Option<(f64, Vector2<f64>)> {
+    /// Height of the land in the middle of a rectangle, and its rise along its sides; none where it is uneven.
+    fn plane(&self, rect: &OrientedRect) -> Option<(f64, [f64; 2])> {
         let terrain = &self.site.levels().terrain;
         let at = |u: f64, v: f64| {
             let [x, y] = rect.at(u, v);
             terrain.height(x, y)
         };
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(u, v)| at(u, v));
-        let [a, b, c, d] = corners;
+        let [a, b, c, d] = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(u, v)| at(u, v));
         let middle_m = 0.25 * (a + b + c + d);
-        let side_m = 2.0 * rect.half_m[0];
-        let slope = Vector2::new(b - a + d - c, c - a + d - b) / (2.0 * side_m);
+        let [half_x, half_y] = rect.half_m;
+        let [ahead, left] = [(b - a + d - c) / (4.0 * half_x), (c - a + d - b) / (4.0 * half_y)];
         let is_even = (-2..=2).all(|i| {
             (-2..=2).all(|j| {
                 let (u, v) = (0.5 * f64::from(i), 0.5 * f64::from(j));
-                let plane = middle_m + rect.half_m[0] * (u * slope.x + v * slope.y);
+                let plane = middle_m + half_x * u * ahead + half_y * v * left;
                 (at(u, v) - plane).abs() <= FLAT_M
             })
         });
-        (is_even && slope.norm() < 0.4).then_some((middle_m, slope))
+        (is_even && ahead * ahead + left * left < STEEPEST * STEEPEST).then_some((middle_m, [ahead, left]))
     }
+}
+
+/// The ground of a patch of some length and width; its rows run along its length.
+fn rect(centre_m: [f64; 2], size_m: [f64; 2], rows_rad: Option<f64>) -> OrientedRect {
+    OrientedRect::new(centre_m, rows_rad.unwrap_or(0.0), size_m.map(|v| 0.5 * v))
 }
 
 #[cfg(test)]

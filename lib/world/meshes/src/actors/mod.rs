@@ -59,10 +59,10 @@ pub use rig::{Pedals, Pusher, Rider, Rig};
 /// The mesh of an actor.
 ///
 /// `model` is a name of [`catalogue::models::MODELS`], of [`catalogue::trains`], of a parked two-wheeler, or
-/// of the scenery (`building.*`, `tree.*`, `light.signal`, ...); `size_m` is length, width, height; `variant`
-/// tells apart objects of the same model. Walkers are as high as that says, and as long and wide as such
-/// people are ([`meshes::people::Walker::size_m`]). The mesh stands on z = 0 inside the box of that size,
-/// centred in x and y; poles of lights and signs reach below z = 0. `None`: no such model.
+/// of the scenery (`building.*`, `tree.*`, `plant.*`, `light.signal`, ...); `size_m` is length, width,
+/// height; `variant` tells apart objects of the same model. Walkers are as high as that says, and as long and
+/// wide as such people are ([`meshes::people::Walker::size_m`]). The mesh stands on z = 0 inside the box of
+/// that size, centred in x and y; poles of lights and signs reach below z = 0. `None`: no such model.
 #[must_use]
 pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMesh> {
     let size = Vec3::new(size_m[0] as f32, size_m[1] as f32, size_m[2] as f32);

@@ -44,7 +44,7 @@ impl Draws {
 
     /// One of so many.
     pub(super) fn pick(&mut self, count: usize) -> usize {
-        (u64::from(self.word()) * count as u64 >> 32) as usize
+        ((u64::from(self.word()) * count as u64) >> 32) as usize
     }
 
     /// A place in the unit disc, all alike, and the square of its distance from the middle.

@@ -26,11 +26,11 @@ fn greens(draws: &mut Draws) -> [MeshPart; 3] {
 }
 
 /// A body with leaves around it, by levels. `body` makes it in a share of its size; `surface` gives a place
-/// on it and the way out there, by two numbers from 0 to 1.
+/// on it and the way out there, by two numbers from 0 to 1. Nothing reaches beyond `ends_m` along x.
 fn with_leaves(
     body: impl Fn(f32, MeshPart) -> TriMesh,
     surface: impl Fn([f32; 2]) -> (Vec3, Vec3),
-    area_m2: f32,
+    (area_m2, ends_m): (f32, f32),
     (size, variant): (Vec3, u32),
 ) -> ActorMesh {
     let mut draws = Draws::new(variant, 2);
@@ -56,7 +56,7 @@ fn with_leaves(
             }
         }
         // What would reach into the ground lies on it.
-        mesh.positions.iter_mut().for_each(|p| p.z = p.z.max(0.0));
+        mesh.positions.iter_mut().for_each(|p| *p = Vec3::new(p.x.clamp(-ends_m, ends_m), p.y, p.z.max(0.0)));
         meshes.push(mesh);
     }
     meshes.push(body(1.0, greens[1]));
@@ -84,7 +84,7 @@ pub(super) fn bush(size: Vec3, variant: u32) -> ActorMesh {
         (centre + 0.93 * radii * way, (way / radii).normalize_or(Vec3::Z))
     };
     let area_m2 = std::f32::consts::PI * (half.x + half.y) * (half.x + half.y) * 0.85;
-    with_leaves(body, surface, area_m2, (size, variant))
+    with_leaves(body, surface, (area_m2, f32::INFINITY), (size, variant))
 }
 
 /// A hedge that is cut square.
@@ -93,7 +93,7 @@ pub(super) fn hedge(size: Vec3, variant: u32) -> ActorMesh {
     let body = |share: f32, green: MeshPart| {
         let inset = 0.5 * (1.0 - share) * size.y.min(size.z);
         // Leaves stand before the ends, too.
-        let [x, y] = [half.x - 0.5 * inset, half.y - inset];
+        let [x, y] = [(half.x - 0.04).max(0.9 * half.x), half.y - inset];
         let mut b = MeshBuilder::new();
         b.tapered(green, Vec3::new(-x, -y, 0.0), Vec3::new(x, y, size.z - inset), 0.99, 0.93);
         b.finish()
@@ -120,5 +120,6 @@ pub(super) fn hedge(size: Vec3, variant: u32) -> ActorMesh {
             (Vec3::new(x, (along - 2.0 * size.z) - half.y, size.z * 0.97), Vec3::Z)
         }
     };
-    with_leaves(body, surface, sides + ends, (size, variant))
+    // A row of them has no gaps.
+    with_leaves(body, surface, (sides + ends, half.x), (size, variant))
 }

@@ -25,7 +25,7 @@ impl Shape {
         // Crowns are closed at both ends, which the published shapes are not.
         let closed = |share: f32| share * (height / 0.12).min(1.0).sqrt() * (down / 0.05).min(1.0).sqrt();
         match self {
-            Self::Conical => 0.06 + 0.94 * down,
+            Self::Conical => 0.1 + 0.9 * down,
             Self::Spherical => (4.0 * height * down).sqrt(),
             Self::Hemispherical => {
                 let above = (height - 0.15).max(0.0) / 0.85;
@@ -220,12 +220,12 @@ pub(super) const SPECIES: [Species; 14] = [
         name: "spruce",
         shape: Shape::Conical,
         bare: 0.06,
-        stem: 1.0,
+        stem: 0.96,
         boughs: [90, 4],
         rise: [-0.25, 0.5],
         leaves: leaves(0.22, 2.4, 6.8, [0.1, 0.3], [0.03, 0.085, 0.045]),
         is_evergreen: true,
-        bark: [0.15, 0.09, 0.06],
+        bark: [0.09, 0.06, 0.045],
     },
     Species {
         name: "pine",

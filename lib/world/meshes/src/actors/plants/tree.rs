@@ -21,6 +21,8 @@ const MOST: [f32; LEVELS] = [5000.0, 1900.0, 550.0, 100.0];
 const LARGER: [f32; LEVELS] = [0.85, 1.4, 2.2, 4.2];
 /// How far apart the two leaves of a twig are, as a share of their side.
 const APART: f32 = 1.35;
+/// How much longer than wide leaves are at most at the last level.
+const LONGEST_FAR: f32 = 1.8;
 /// Share of the leaves that are anywhere in the crown; others are round the twigs.
 const ANYWHERE: f32 = 0.7;
 
@@ -107,6 +109,7 @@ impl Foliage {
     /// Adds the leaves of a level: fewer and larger ones of the same area.
     fn add(&self, mesh: &mut TriMesh, crown: &Crown, shades: [u8; 3], (level, variant): (usize, u32)) {
         let mut draws = Draws::new(variant, 20 + level as u64);
+        let kind = &crown.species.leaves;
         let all = self.leaves.len();
         let count =
             if level == 0 { all } else { (2.0 * twigs(crown.area_m2(), self.near_m(), level)) as usize };
@@ -114,20 +117,21 @@ impl Foliage {
         let side_m = self.side_m * (all as f32 / count as f32).sqrt();
         // They reach no farther out.
         let inward = 1.0 - (0.2 * (side_m - self.side_m) / crown.half_m.x).min(0.2);
+        // The largest stand for a whole piece of the crown.
+        let longer = if level < 3 { kind.longer } else { kind.longer.min(LONGEST_FAR) };
         reserve(mesh, count);
         for j in 0..count.min(all) {
             let mut leaf = if level < 2 {
                 self.leaves[j * all / count]
             } else {
                 // No longer the same ones: few stand evenly only if they are drawn so.
-                let centre =
-                    crown.anywhere((GOLDEN * j as f32).fract(), crown.species.leaves.shell, &mut draws);
+                let centre = crown.anywhere((GOLDEN * j as f32).fract(), kind.shell, &mut draws);
                 leaf(crown, centre, Vec3::ZERO, &mut draws)
             };
             leaf.centre.x *= inward;
             leaf.centre.y *= inward;
             leaf.centre.z = leaf.centre.z.min(crown.top_m - 0.3 * side_m);
-            leaf.add(mesh, shades, side_m, crown.species.leaves.longer);
+            leaf.add(mesh, shades, side_m, longer);
         }
     }
 

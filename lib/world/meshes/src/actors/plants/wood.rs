@@ -25,7 +25,7 @@ const SIDES: usize = 9;
 /// Sides of the stem by level, and how many of its places are kept: every so many.
 const TRUNK: [[usize; 2]; LEVELS] = [[9, 1], [6, 2], [4, 4], [4, 8]];
 /// Shoots of a bare tree by level, and how much thicker than close by they are.
-const SHOOTS: [(usize, f32); LEVELS] = [(1500, 1.0), (420, 2.0), (80, 4.0), (0, 0.0)];
+const SHOOTS: [(usize, f32); LEVELS] = [(1200, 1.0), (420, 1.8), (80, 4.0), (0, 0.0)];
 
 /// A stem, bough or twig: places along it with its radius there.
 #[derive(Clone, Debug)]
@@ -198,14 +198,15 @@ impl Wood {
                 [1.0, 1.1, 1.3, 1.6][level],
             );
         }
-        for twig in self.twigs.iter().step_by([1, 1, 2, 5][level]) {
-            carver.stem(twig, young, [3, [1, 2, 2, 2][level]], [1.0, 1.3, 2.0, 3.0][level]);
+        let twigs = || self.twigs.iter().step_by([1, 1, 2, 5][level]);
+        for twig in twigs() {
+            carver.stem(twig, young, [3, [1, 2, 2, 2][level]], [1.25, 1.7, 2.5, 3.5][level]);
         }
         let (count, thicker) = SHOOTS[level];
         let mut draws = Draws::new(variant, 60);
         // Long limbs have more of them.
         let limbs: Vec<(f32, &Stem)> =
-            self.twigs.iter().chain(&self.boughs).map(|limb| (limb.length_m(), limb)).collect();
+            twigs().chain(&self.boughs).map(|limb| (limb.length_m(), limb)).collect();
         let whole: f32 = limbs.iter().map(|(length, _)| length).sum();
         let (mut i, mut passed) = (0, 0.0);
         for k in 0..count {
@@ -261,7 +262,7 @@ fn bough(crown: &Crown, [cos, sin]: [f32; 2], (from, up): (Vec3, f32), draws: &m
     let length = (tip - from).length();
     let thick = (0.35 * foot_m(crown.top_m)).min(0.012 * length + 0.012) * draws.uniform(0.8, 1.0);
     // Where there are many they are thin.
-    let thick = thick * (20.0 / crown.species.boughs[0] as f32).sqrt().min(1.0);
+    let thick = thick * (20.0 / crown.species.boughs[0] as f32).min(1.0);
     Stem::bow([from, by, tip], [thick, 0.3 * thick], 4)
 }
 
@@ -287,5 +288,5 @@ fn shoot(crown: &Crown, limb: &Stem, draws: &mut Draws) -> Stem {
     let hang = crown.species.leaves.hang;
     let way = along * 0.8 + draws.direction() * 0.7 + Vec3::Z * (0.35 - 2.0 * hang);
     let to = crown.within(from + way.normalize_or(along) * length);
-    Stem(vec![(from, 0.003 + 0.006 * length), (to, 0.002)])
+    Stem(vec![(from, 0.007 + 0.007 * length), (to, 0.004)])
 }

@@ -39,7 +39,7 @@ pub(super) fn maize(size: Vec3, look: Look) -> ActorMesh {
             let foot = Vec3::new(x, y + draws.uniform(-0.04, 0.04), 0.0);
             let high = size.z * draws.uniform(0.82, 0.93);
             let top = foot + Vec3::Z * high;
-            let (sin, cos) = sin_cos(draws.uniform(0.0, 3.0));
+            let (sin, cos) = sin_cos(draws.uniform(0.0, std::f32::consts::PI));
             patch.blade((stem, Grows::Gone), [foot, top], Vec3::new(cos, sin, 0.0), 0.05);
             // Leaves to both sides in turn, as they grow; many reach between the rows.
             let turn = draws.uniform(0.6, 2.5);
@@ -47,7 +47,7 @@ pub(super) fn maize(size: Vec3, look: Look) -> ActorMesh {
                 let angle = turn + if k % 2 == 0 { 0.0 } else { std::f32::consts::PI };
                 let (sin, cos) = sin_cos(angle + draws.uniform(-0.4, 0.4));
                 let way = Vec3::new(cos, sin, 0.0);
-                let at = foot + Vec3::Z * high * (0.25 + 0.17 * k as f32 + draws.uniform(-0.05, 0.05));
+                let at = foot + Vec3::Z * high * (0.12 + 0.2 * k as f32 + draws.uniform(-0.05, 0.05));
                 let long = size.z * draws.uniform(0.19, 0.29);
                 let knee = at + way * (0.55 * long) + Vec3::Z * (0.5 * long);
                 let tip = at + way * (1.15 * long) + Vec3::Z * (draws.uniform(-0.35, 0.25) * long);
@@ -64,10 +64,10 @@ pub(super) fn maize(size: Vec3, look: Look) -> ActorMesh {
 /// Rows of wheat along x; each triangle stands for some stalks.
 pub(super) fn wheat(size: Vec3, look: Look) -> ActorMesh {
     let triangles = USUAL.on(size.x * size.y);
-    let mut patch = Patch::new(size, Surface::Grass, triangles[0]);
+    let mut patch = Patch::new(size, Surface::Foliage, triangles[0]);
     let mut draws = look.draws(73);
     // Ripe but for one.
-    let ripe = [[0.38, 0.28, 0.11], [0.42, 0.32, 0.14], [0.33, 0.28, 0.1], [0.13, 0.2, 0.06]];
+    let ripe = [[0.62, 0.46, 0.19], [0.68, 0.52, 0.24], [0.55, 0.46, 0.17], [0.2, 0.31, 0.09]];
     let [dark, middle, light] = patch.shades(look.tinted(ripe));
     let rows: Vec<f32> = rows(size.y, WHEAT_ROWS_M).collect();
     let in_row = (triangles[0] / rows.len() as f32).floor().max(1.0);
@@ -75,7 +75,7 @@ pub(super) fn wheat(size: Vec3, look: Look) -> ActorMesh {
         for i in 0..in_row as usize {
             let x = size.x * ((i as f32 + draws.unit()) / in_row - 0.5);
             let foot = Vec3::new(x, y + draws.uniform(-0.03, 0.03), 0.0);
-            let (sin, cos) = sin_cos(draws.uniform(0.0, 3.14));
+            let (sin, cos) = sin_cos(draws.uniform(0.0, std::f32::consts::PI));
             let across = Vec3::new(cos, sin, 0.0);
             let ([u, v], _) = draws.disc();
             let high = size.z * draws.uniform(0.78, 0.9);
@@ -87,7 +87,7 @@ pub(super) fn wheat(size: Vec3, look: Look) -> ActorMesh {
             } else {
                 // Wider above, where the ears are.
                 let part = [dark, middle, light][draws.pick(3)];
-                let half = across * 0.045;
+                let half = across * 0.036;
                 patch.triangle(
                     (part, Grows::Across),
                     [tip + half, tip - half, foot],

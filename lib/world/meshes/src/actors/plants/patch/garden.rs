@@ -56,7 +56,7 @@ pub(super) fn flowers(size: Vec3, look: Look) -> ActorMesh {
 
 /// Undergrowth: bushes that grow into one another.
 pub(super) fn shrubs(size: Vec3, look: Look) -> ActorMesh {
-    let budget = Budget { on_m2: 16.0, triangles: [1440.0, 500.0, 130.0, 36.0] };
+    let budget = Budget { on_m2: 16.0, triangles: [1400.0, 500.0, 130.0, 36.0] };
     let triangles = budget.on((size.x * size.y).min(budget.on_m2));
     let mut patch = Patch::new(size, Surface::Foliage, triangles[0]);
     let mut draws = look.draws(76);
@@ -112,8 +112,8 @@ pub(super) fn shrubs(size: Vec3, look: Look) -> ActorMesh {
 
 /// What climbs up a wall at the back face of the box (least y): leaves hang before it and look along y.
 pub(super) fn climber(size: Vec3, look: Look) -> ActorMesh {
-    let budget = Budget { on_m2: 16.0, triangles: [1000.0, 350.0, 90.0, 24.0] };
-    let triangles = budget.on(size.x * size.z);
+    let budget = Budget { on_m2: 16.0, triangles: [1200.0, 400.0, 110.0, 28.0] };
+    let triangles = budget.on((size.x * size.z).min(20.0));
     let mut patch = Patch::new(size, Surface::Foliage, triangles[0]);
     let mut draws = look.draws(77);
     // Ivy, wild vine in summer and in autumn, another ivy.
@@ -126,7 +126,7 @@ pub(super) fn climber(size: Vec3, look: Look) -> ActorMesh {
         let (a, _) = sin_cos(one + 2.3 * x);
         let (b, _) = sin_cos(other + 5.1 * x);
         let (c, _) = sin_cos(third + 0.9 * x);
-        (0.82 + 0.08 * a + 0.03 * b + 0.12 * c).clamp(0.4, 1.0)
+        (0.88 + 0.07 * a + 0.03 * b + 0.08 * c).clamp(0.5, 1.0)
     };
     for i in 0..triangles[0] as usize {
         let x = size.x * ((0.618_034 * i as f32).fract() - 0.5);
@@ -134,7 +134,7 @@ pub(super) fn climber(size: Vec3, look: Look) -> ActorMesh {
         let end = (2.0 * x / size.x).abs();
         let high = size.z * reach(x) * (1.0 - 0.35 * end * end * end * end);
         let u = draws.unit();
-        let z = (0.02 + 0.98 * u * (0.75 + 0.25 * u)) * high;
+        let z = (0.02 + 0.98 * u * (0.9 + 0.1 * u)) * high;
         let y = size.y * (draws.unit() - 0.5);
         let face = Vec3::Y + draws.direction() * 0.75 + Vec3::Z * 0.15;
         let way = Vec3::new(draws.uniform(-0.6, 0.6), 0.2, -1.0);

@@ -173,7 +173,7 @@ impl Patch {
 
     /// Three shades of one.
     fn shades(&mut self, rgb: [f32; 3]) -> [u8; 3] {
-        [0.75, 1.0, 1.25].map(|by| self.leaf(rgb.map(|c| by * c)))
+        [0.82, 1.0, 1.18].map(|by| self.leaf(rgb.map(|c| by * c)))
     }
 
     /// What of the light gets to a height.
