@@ -20,7 +20,7 @@ const LEVEL_M: f64 = 3.5;
 /// Buildings stand this much farther from water than other things, metres.
 const SHORE_M: f64 = 4.0;
 /// Above this limit a road is a highway: few buildings stand at it, m/s.
-const HIGHWAY_MPS: f64 = 19.0;
+pub(crate) const HIGHWAY_MPS: f64 = 19.0;
 
 /// Shares of the kinds of buildings, in the order of the catalogue: in a street with sidewalks, and without.
 const TOWN: [f64; 5] = [0.42, 0.16, 0.14, 0.22, 0.06];
@@ -48,12 +48,23 @@ pub(crate) struct House<'a> {
     yaw_rad: f64,
     pub(crate) kind: &'static BuildingKind,
     floors: f64,
+    /// From the edge of the street to the building, metres.
     pub(crate) setback_m: f64,
+    /// Its width along the street, metres.
+    width_m: f64,
     pub(crate) variant: u32,
     /// Decides what is in front of it.
     pub(crate) fence: f64,
     /// Whether its street has sidewalks.
     pub(crate) is_in_town: bool,
+}
+
+impl House<'_> {
+    /// How far its door is from the middle of its front, to the left of who looks out of it, metres: that of
+    /// towers is aside (`building.rs` of their meshes).
+    pub(crate) fn door_m(&self) -> f64 {
+        if self.kind.model == "building.tower" { 0.125 * self.width_m } else { 0.0 }
+    }
 }
 
 /// The buildings that stand in the area, or near enough to have a fence there.
@@ -97,7 +108,7 @@ pub(crate) fn buildings<'a>(
             };
             let (near_z_m, yaw_rad) = (middle.point.z, middle.facing_yaw());
             let rank = rank(site.rules.seed, "world/buildings/rank", front.entity, slot);
-            let is_in_town = town;
+            let (width_m, is_in_town) = (2.0 * rect.half_m[1], town);
             let what = House {
                 front,
                 along_m,
@@ -106,6 +117,7 @@ pub(crate) fn buildings<'a>(
                 kind,
                 floors,
                 setback_m,
+                width_m,
                 variant,
                 fence,
                 is_in_town,

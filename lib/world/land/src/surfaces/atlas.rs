@@ -16,7 +16,7 @@ use crate::surfaces::water::{Water, waters};
 use crate::surfaces::{bridges, holes, lanes, marks, sections, tracks};
 
 /// Lanes are looked at this far around an area, metres.
-pub const HALO_M: f64 = 192.0;
+pub const HALO_M: f64 = 224.0;
 /// Heights of the ground hold this far around an area, metres.
 pub const LEVELS_M: f64 = HALO_M - REACH_M;
 
