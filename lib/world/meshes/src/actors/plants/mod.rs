@@ -17,7 +17,7 @@ use glam::Vec3;
 use crate::actors::pieces::ActorMesh;
 use species::Species;
 
-/// A plant by name; it fills its box.
+/// A plant by name; it fills its box, a patch of low plants less exactly.
 pub(crate) fn plant(family: &str, kind: &str, size: Vec3, variant: u32) -> Option<ActorMesh> {
     match (family, kind) {
         ("tree", "palm") => Some(palm::palm(size, variant)),
