@@ -1,7 +1,8 @@
 //! What of a fixed object stands in the way of somebody who walks.
 //!
-//! Boxes of lights, signs and lamps are those of the housing, the board, the whole lamp; on the ground stands
-//! a pole. A tree's box is its crown's; on the ground stands a trunk.
+//! Boxes of lights, signs, lamps and other poles are those of the housing, the board, the whole lamp, the
+//! pole with its arms; on the ground stands a pole. A tree's box is its crown's; on the ground stands a
+//! trunk.
 
 use frames::math::sin_cos;
 use frames::{Pose, World};
@@ -20,6 +21,8 @@ const LIGHT_BEHIND_M: f64 = 0.07;
 const SIGN_POLE_M: f64 = 0.03;
 /// Half width of a street lamp's foot, metres.
 const LAMP_FOOT_M: f64 = 0.11;
+/// Half width of the foot of any other pole, metres.
+const POLE_FOOT_M: f64 = 0.2;
 
 /// How a traffic light is held, as the variant of its row says it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +90,8 @@ pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
         ActorKind::Pole if actor.model == "pole.lamp" => {
             ([-half[0] + LAMP_FOOT_M, 0.0], 0.0, [LAMP_FOOT_M; 2])
         }
+        // Others stand in the middle of their boxes; arms and flags are overhead.
+        ActorKind::Pole => ([0.0; 2], 0.0, half.map(|half| half.min(POLE_FOOT_M))),
         ActorKind::Vegetation if family == "tree" => {
             // The stem's radius at its foot, and how crooked it is below walking height.
             let radius = 1.25 * (0.012 * actor.height_m + 0.025) + 0.1;
@@ -98,8 +103,7 @@ pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
         | ActorKind::Prop
         | ActorKind::Parked
         | ActorKind::Building
-        | ActorKind::Vegetation
-        | ActorKind::Pole => ([0.0; 2], 0.0, half),
+        | ActorKind::Vegetation => ([0.0; 2], 0.0, half),
     };
     let (sin, cos) = sin_cos(yaw_rad);
     let [x, y, z] = actor.xyz_m;

@@ -23,7 +23,12 @@ pub(crate) struct Canvas {
 
 impl Canvas {
     pub(crate) fn new(size_m: [f32; 2], rgb: [f32; 3]) -> Self {
-        let per_m = SIDE / size_m[0].max(size_m[1]).max(0.01);
+        Self::fine(size_m, rgb, SIDE)
+    }
+
+    /// The same with so many texels along its longer side.
+    pub(crate) fn fine(size_m: [f32; 2], rgb: [f32; 3], texels: f32) -> Self {
+        let per_m = texels / size_m[0].max(size_m[1]).max(0.01);
         let texels = size_m.map(|m| ((m * per_m).round() as usize).max(1));
         Self { size_m, texels, rgb: vec![rgb; texels[0] * texels[1]] }
     }

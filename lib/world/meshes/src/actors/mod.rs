@@ -23,6 +23,7 @@ mod car;
 mod cones;
 mod decal;
 mod device;
+mod furniture;
 mod heavy;
 mod hull;
 mod load;
@@ -94,10 +95,13 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
     match family {
         "building" => building::building(kind, size, variant).and_then(fixed),
         "tree" | "bush" => plants::plant(family, kind, size, variant),
-        "light" | "sign" | "pole" | "rsu" => street::street(family, kind, size, variant).and_then(fixed),
-        "prop" => {
-            props::prop(kind, size, variant).or_else(|| works::item(kind, size, variant)).and_then(fixed)
-        }
+        "light" | "sign" | "pole" | "rsu" => street::street(family, kind, size, variant)
+            .and_then(fixed)
+            .or_else(|| furniture::thing(family, kind, size, variant)),
+        "prop" => props::prop(kind, size, variant)
+            .or_else(|| works::item(kind, size, variant))
+            .and_then(fixed)
+            .or_else(|| furniture::thing(family, kind, size, variant)),
         _ => None,
     }
 }
