@@ -5,8 +5,12 @@ use std::collections::BTreeMap;
 use crate::surfaces::{Ground, GroundLevels};
 use frames::OrientedRect;
 
+use crate::scenery::site::FOOT_M;
+
 /// Things stand this far from water, metres.
 const SHORE_M: f64 = 3.0;
+/// Half the thickness of a post where it is thick, however it is turned, metres.
+const POST_M: f64 = 0.1;
 /// Side of a search cell, metres.
 const CELL_M: f64 = 16.0;
 
@@ -42,6 +46,23 @@ pub(crate) struct Land<'a> {
 impl<'a> Land<'a> {
     pub(crate) fn new(ground: &'a GroundLevels, tracks: bool) -> Self {
         Self { ground, tracks, taken: Vec::new(), cells: BTreeMap::new() }
+    }
+
+    /// The same land with nothing on it.
+    pub(crate) fn without_things(&self) -> Self {
+        Self::new(self.ground, self.tracks)
+    }
+
+    /// Whether nothing stands on a rectangle, posts taken as thick as they are.
+    pub(crate) fn clear_of_posts(&self, rect: &OrientedRect) -> bool {
+        let near = cells(rect).filter_map(|c| self.cells.get(&c)).flatten();
+        !near.into_iter().any(|i| {
+            let mut taken = self.taken[*i];
+            if taken.half_m == [FOOT_M; 2] {
+                taken.half_m = [POST_M; 2];
+            }
+            taken.meets(rect)
+        })
     }
 
     /// Whether nothing stands on a rectangle.

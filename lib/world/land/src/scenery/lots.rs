@@ -20,7 +20,7 @@ const LEVEL_M: f64 = 3.5;
 /// Buildings stand this much farther from water than other things, metres.
 const SHORE_M: f64 = 4.0;
 /// Above this limit a road is a highway: few buildings stand at it, m/s.
-const HIGHWAY_MPS: f64 = 19.0;
+pub(crate) const HIGHWAY_MPS: f64 = 19.0;
 
 /// Shares of the kinds of buildings, in the order of the catalogue: in a street with sidewalks, and without.
 const TOWN: [f64; 5] = [0.42, 0.16, 0.14, 0.22, 0.06];
@@ -41,17 +41,28 @@ const TRIES: [[f64; 3]; 7] = [
 
 /// A building as it was drawn for a place on a frontage.
 pub(crate) struct House<'a> {
-    front: &'a Frontage,
+    pub(crate) front: &'a Frontage,
     /// Where its middle is along the frontage, metres.
-    along_m: f64,
+    pub(crate) along_m: f64,
     near_z_m: f64,
     yaw_rad: f64,
-    kind: &'static BuildingKind,
+    pub(crate) kind: &'static BuildingKind,
     floors: f64,
-    setback_m: f64,
+    /// From the edge of the street to the building, metres.
+    pub(crate) setback_m: f64,
+    /// Its width along the street, metres.
+    width_m: f64,
     variant: u32,
     /// Decides what is in front of it.
     fence: f64,
+}
+
+impl House<'_> {
+    /// How far its door is from the middle of its front, to the left of who looks out of it, metres: that of
+    /// towers is aside (`building.rs` of their meshes).
+    pub(crate) fn door_m(&self) -> f64 {
+        if self.kind.model == "building.tower" { 0.125 * self.width_m } else { 0.0 }
+    }
 }
 
 /// The buildings that stand in the area, or near enough to have a fence there.
@@ -95,7 +106,9 @@ pub(crate) fn buildings<'a>(
             };
             let (near_z_m, yaw_rad) = (middle.point.z, middle.facing_yaw());
             let rank = rank(site.rules.seed, "world/buildings/rank", front.entity, slot);
-            let what = House { front, along_m, near_z_m, yaw_rad, kind, floors, setback_m, variant, fence };
+            let width_m = 2.0 * rect.half_m[1];
+            let what =
+                House { front, along_m, near_z_m, yaw_rad, kind, floors, setback_m, width_m, variant, fence };
             let rect = rect.grown(AROUND_M);
             candidates.push(Candidate { takes: rect, needs: rect, rank, what });
         }

@@ -4,9 +4,9 @@
 //!
 //! An object's presence does not depend on the area that was asked for. Candidates are drawn along each side
 //! of each road from its start, the same for every tile that draws them; kind by kind (parked vehicles,
-//! buildings, lamps, fences, trees, bushes, furniture, racks, signs) each keeps off existing objects, and
-//! among those of its kind it stands if no candidate of a higher rank is in its way. So everything depends on
-//! a bounded piece of land, and an area is made from that much around it.
+//! buildings, lamps, fences, trees, bushes, benches and bins, racks, signs, other furniture) each keeps off
+//! existing objects, and among those of its kind it stands if no candidate of a higher rank is in its way. So
+//! everything depends on a bounded piece of land, and an area is made from that much around it.
 //!
 //! ```
 //! use schema::ActorKind;
@@ -46,6 +46,7 @@ use catalogue::Catalogue;
 use schema::tables::TileObjectRow;
 use settings::SceneryRules;
 
+pub use furniture::{FURNITURE, FurnitureFront, FurnitureKind, FurniturePlace, FurnitureStyle};
 pub use kinds::{BUILDINGS, BuildingKind, TREES, TreeKind};
 pub use signs::{PLATES, Plate};
 
@@ -55,7 +56,8 @@ use land::Land;
 use site::Site;
 
 /// The objects in an area: traffic lights and signs of the map, parked vehicles, buildings, street lamps,
-/// fences, trees, street furniture, racks with bicycles and the signs that roads have besides, in this order.
+/// fences, trees, benches and bins, racks with bicycles, the signs that roads have besides and all other
+/// street furniture, in this order.
 /// It follows from the map, the rules, the models that may be parked and the area alone; areas side by side
 /// have each thing once, as it would be if they were one.
 ///
@@ -86,6 +88,7 @@ pub fn place(ground: &AreaGround<'_>, rules: &SceneryRules, catalogue: &Catalogu
     furniture::small_things(&site, &fronts, &mut land, &mut drafts);
     racks::racks(&site, &fronts, &mut land, &mut drafts);
     signs::roadside(&site, &fronts, &signs, &mut land, &mut drafts);
+    furniture::things(&site, &fronts, &houses, &mut land, &mut drafts);
     drafts.into_iter().map(Draft::row).collect()
 }
 

@@ -24,8 +24,10 @@ pub(crate) struct Site<'a> {
 /// the earlier ones. From the last kind to the first, each distance is the next one's, and how far the two
 /// kinds' ground can be apart and still meet.
 pub(crate) mod reach_m {
-    /// Signs: half diagonals of 0.5.
-    pub(crate) const SIGNS: f64 = 1.0;
+    /// Things of the table of furniture: half diagonals of 2.4.
+    pub(crate) const FURNITURE: f64 = 4.8;
+    /// Signs: of 0.5.
+    pub(crate) const SIGNS: f64 = FURNITURE + 2.9 + 1.0;
     /// Racks for bicycles: of 2.1.
     pub(crate) const RACKS: f64 = SIGNS + 2.6 + 4.2;
     /// Benches and bins: of 0.9.
@@ -49,6 +51,12 @@ pub(crate) mod reach_m {
 }
 
 impl Site<'_> {
+    /// How much street furniture there is: 0 none of its table, 1 as much as that says, 2 twice as much.
+    #[allow(clippy::unused_self, reason = "rules will say it")]
+    pub(crate) fn density(&self) -> f64 {
+        1.0
+    }
+
     pub(crate) fn levels(&self) -> &GroundLevels {
         &self.ground.levels
     }

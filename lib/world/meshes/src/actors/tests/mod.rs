@@ -8,7 +8,7 @@ use catalogue::{
 };
 use frames::Aabb;
 use glam::Vec3;
-use land::scenery::{BUILDINGS, BuildingKind, PLATES, TREES};
+use land::scenery::{BUILDINGS, BuildingKind, FURNITURE, PLATES, TREES};
 use schema::footprint::LightMount;
 use schema::geometry::{Surface, TriMesh};
 use schema::{Tag, lights};
@@ -16,6 +16,7 @@ use schema::{Tag, lights};
 use super::*;
 
 mod cabins;
+mod furniture;
 mod vehicles;
 
 /// Every model with a size and some variants.
@@ -42,6 +43,9 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
             [(0, 0), (1, 1), (2, 2)]
                 .map(|(age, variant)| (kind.model.to_owned(), kind.size_m(age, variant), variant)),
         );
+    }
+    for kind in FURNITURE {
+        all.extend((0..kind.variants).map(|variant| (kind.model.to_owned(), kind.size_m, variant)));
     }
     // Trees of earlier stores have names of their own, and any size.
     for name in ["tree.broadleaf", "tree.round", "tree.conifer"] {
@@ -136,7 +140,7 @@ fn meshes_stay_inside_their_boxes() {
         let actor = made(&name, size, variant);
         let half = Vec3::new(0.5 * size[0] as f32, 0.5 * size[1] as f32, 0.0);
         // Poles of lights and signs are not part of the box.
-        let boxed = |tag: Tag| tag != Tag::Pole || name == "pole.lamp";
+        let boxed = |tag: Tag| tag != Tag::Pole || name.starts_with("pole.");
         for phase in [0.0, 0.9, 2.2, 4.4, 11.0] {
             let b = bounds(&actor, phase, boxed);
             let slack = 0.012;

@@ -1,0 +1,61 @@
+//! What stands about in streets: lamps, benches and bins, and the kinds of a table.
+
+mod candidates;
+mod doors;
+mod doorways;
+mod kinds;
+mod lamps;
+mod lines;
+mod small;
+#[cfg(test)]
+mod tests;
+
+pub use kinds::{FURNITURE, FurnitureFront, FurnitureKind, FurniturePlace, FurnitureStyle};
+
+pub(crate) use lamps::lamps;
+pub(crate) use small::small_things;
+
+use crate::scenery::claims::{Candidate, settle};
+use crate::scenery::draft::Draft;
+use crate::scenery::frontage::Frontage;
+use crate::scenery::land::Land;
+use crate::scenery::lots::House;
+use crate::scenery::site::Site;
+use candidates::{Placer, Thing};
+
+/// Puts all kinds of the table where nothing else stands. They are the last things that are placed, so that
+/// nothing else depends on them.
+pub(crate) fn things(
+    site: &Site<'_>,
+    fronts: &[Frontage],
+    houses: &[Candidate<House<'_>>],
+    land: &mut Land<'_>,
+    drafts: &mut Vec<Draft>,
+) {
+    if site.density() <= 0.0 {
+        return;
+    }
+    let mut candidates: Vec<Candidate<Thing>> = Vec::new();
+    let placer = Placer::new(site, houses, land);
+    for front in fronts.iter().filter(|front| !front.track) {
+        for (number, kind) in placer.kinds() {
+            match kind.place {
+                FurniturePlace::Door(_) | FurniturePlace::Yard(_) => {}
+                FurniturePlace::Line { .. } => lines::line(&placer, (number, kind), front, &mut candidates),
+                FurniturePlace::Rail(beyond_m) => {
+                    lines::rails(&placer, (number, kind), beyond_m, front, &mut candidates);
+                }
+                _ => placer.along((number, kind), front, &mut candidates),
+            }
+        }
+    }
+    for house in houses {
+        doors::beside(&placer, house, &mut candidates);
+    }
+    for Candidate { takes, what: thing, .. } in settle(candidates, land) {
+        let [x, y] = takes.centre_m;
+        if site.holds(x, y) {
+            drafts.push(thing.draft([x, y]));
+        }
+    }
+}
