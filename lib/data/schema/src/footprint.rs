@@ -1,7 +1,8 @@
 //! What of a fixed object stands in the way of somebody who walks.
 //!
-//! Boxes of lights, signs, lamps and other poles are those of the housing, the board, the whole lamp, the pole
-//! with its arms; on the ground stands a pole. A tree's box is its crown's; on the ground stands a trunk.
+//! Boxes of lights, signs, lamps and other poles are those of the housing, the board, the whole lamp, the
+//! pole with its arms; on the ground stands a pole. A tree's box is its crown's; on the ground stands a
+//! trunk.
 
 use frames::math::sin_cos;
 use frames::{Pose, World};

@@ -5,8 +5,8 @@
 //! An object's presence does not depend on the area that was asked for. Candidates are drawn along each side
 //! of each road from its start, the same for every tile that draws them; kind by kind (parked vehicles,
 //! buildings, lamps, fences, trees, bushes, benches and bins, racks, signs, other furniture) each keeps off
-//! existing objects, and among those of its kind it stands if no candidate of a higher rank is in its way. So everything depends on
-//! a bounded piece of land, and an area is made from that much around it.
+//! existing objects, and among those of its kind it stands if no candidate of a higher rank is in its way. So
+//! everything depends on a bounded piece of land, and an area is made from that much around it.
 //!
 //! ```
 //! use schema::ActorKind;
@@ -61,7 +61,8 @@ use site::Site;
 use uses::Uses;
 
 /// The objects in an area: traffic lights and signs of the map, parked vehicles, buildings, street lamps,
-/// borders of plots, forecourts, patches of plants, trees, benches and bins, racks with bicycles, the signs that roads have besides and all other
+/// borders of plots, forecourts, patches of plants, trees, benches and bins, racks with bicycles, the signs
+/// that roads have besides and all other
 /// street furniture, in this order.
 /// It follows from the map, the rules, the models that may be parked and the area alone; areas side by side
 /// have each thing once, as it would be if they were one.

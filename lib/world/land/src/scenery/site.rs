@@ -24,8 +24,8 @@ pub(crate) struct Site<'a> {
 /// the earlier ones. From the last kind to the first, each distance is the next one's, and how far the two
 /// kinds' ground can be apart and still meet.
 pub(crate) mod reach_m {
-    /// Things of the table of furniture: half diagonals of half the longest.
-    pub(crate) const FURNITURE: f64 = crate::scenery::furniture::LONGEST_M;
+    /// Things of the table of furniture: half diagonals of 2.4.
+    pub(crate) const FURNITURE: f64 = 4.8;
     /// Signs: of 0.5.
     pub(crate) const SIGNS: f64 = FURNITURE + 2.9 + 1.0;
     /// Racks for bicycles: of 2.1.

@@ -8,7 +8,7 @@ use opendrive::{LaneId, LaneInfo};
 use random::Stream;
 use schema::ActorKind;
 
-use super::doors::doorway;
+use super::doorways::doorway;
 use super::kinds::{FURNITURE, FurnitureFront, FurnitureKind, FurniturePlace, FurnitureStyle};
 use crate::scenery::claims::{Candidate, Rank, rank};
 use crate::scenery::draft::Draft;
@@ -38,8 +38,8 @@ const YARD_M: f64 = 3.3;
 const SLAB_OUT_M: f64 = 0.02;
 /// What is deeper than this looks at the road where it stands beyond the outer edge, metres.
 const DEEP_M: f64 = 1.0;
-/// Around such a thing so much is sidewalk, too, metres, and the kerb turns from its street by so much at
-/// most, as a sine.
+/// Around a thing at the kerb so much is sidewalk, too, metres, and the kerb turns from its street by so much
+/// at most, as a sine.
 const MARGIN_M: f64 = 0.15;
 const ASKEW: f64 = 0.05;
 /// What is higher than this hides people from drivers, metres.
@@ -54,7 +54,7 @@ const END_M: f64 = 3.0;
 const LEVEL_M: f64 = 0.16;
 const STEEPEST: f64 = 0.12;
 /// A thing is at most so much lower or higher than the edge of the street, metres.
-pub(super) const STEP_M: f64 = 1.0;
+const STEP_M: f64 = 1.0;
 /// Things at least so long lean with the street, if they are narrow, metres.
 const ROW_M: f64 = 3.0;
 const NARROW_M: f64 = 0.5;
@@ -115,7 +115,7 @@ impl<'a> Placer<'a> {
         let mut ways = land.without_things();
         houses.iter().for_each(|house| ways.take(doorway(house)));
         let corners = site.map.crosswalks().iter().flat_map(|crosswalk| &crosswalk.polygon);
-        let near = |p: &&Point3<f64>| site.near(p.x, p.y, reach_m::FURNITURE + SIGHT_M + 1.0);
+        let near = |p: &&Point3<f64>| site.near(p.x, p.y, 2.0 * reach_m::FURNITURE + SIGHT_M);
         let roads = site.map.network().roads.len() as u64;
         let american = Stream::new(site.rules.seed, 0, "world/furniture/style", roads).chance(AMERICAN);
         Self {

@@ -1,32 +1,15 @@
 //! What stands before houses, beside their doors.
 
-use frames::OrientedRect;
 use random::Stream;
 
 use super::candidates::{Placer, Thing, Wanted, beyond_edge_m, extent_m, street};
+use super::doorways::HALF_WAY_M;
 use super::kinds::FurniturePlace;
 use crate::scenery::claims::Candidate;
 use crate::scenery::lots::House;
 
-/// Half the width of the way to a door that stays free, metres.
-const HALF_WAY_M: f64 = 1.1;
 /// Things stand so far from the middle of a door along the street at least, metres.
 const ASIDE_M: f64 = 0.4;
-
-/// The ground between a building's door and the street.
-pub(super) fn doorway(house: &Candidate<House<'_>>) -> OrientedRect {
-    let front_m = house.takes.half_m[0];
-    let length_m = house.what.setback_m;
-    // The first axis of a building leads to the street.
-    let [ax, ay] = house.takes.axis;
-    let [x, y] = house.takes.centre_m;
-    let (ahead, aside) = (front_m + 0.5 * length_m, house.what.door_m());
-    OrientedRect {
-        centre_m: [x + ahead * ax - aside * ay, y + ahead * ay + aside * ax],
-        axis: [ax, ay],
-        half_m: [0.5 * length_m, HALF_WAY_M],
-    }
-}
 
 /// Candidates before a building.
 pub(super) fn beside(

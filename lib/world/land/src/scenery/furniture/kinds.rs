@@ -20,8 +20,8 @@ pub enum FurniturePlace {
     Door(&'static [&'static str]),
     /// Beyond the outer edge before such buildings, where the grass beside the street ends.
     Yard(&'static [&'static str]),
-    /// In a line beside a road without sidewalk, so many metres beyond its edge: one every so many metres, and
-    /// on one side alone or on both.
+    /// In a line beside a road without sidewalk, so many metres beyond its edge: one every so many metres,
+    /// and on one side alone or on both.
     Line {
         /// From the edge, metres.
         beyond_m: f64,
@@ -128,7 +128,8 @@ const LARGE: &[&str] = &["building.block", "building.tower", "building.shop", "b
 const DELINEATORS: FurniturePlace = Line { beyond_m: 0.6, apart_m: [50.0, 50.0], both: true };
 const POLES: FurniturePlace = Line { beyond_m: 2.6, apart_m: [36.0, 48.0], both: false };
 
-/// All kinds. None has a diagonal of more than [`LONGEST_M`].
+/// All kinds. None has a diagonal of more than 4.8 m: what is placed around them depends on that
+/// (`site::reach_m`).
 #[rustfmt::skip]
 pub const FURNITURE: [FurnitureKind; 40] = [
     // Along kerbs.
@@ -176,7 +177,3 @@ pub const FURNITURE: [FurnitureKind; 40] = [
     kind("pole.utility", [2.4, 0.9, 9.5], Tag::Pole, POLES, [0.0, 0.0, 0.5], 3),
     kind("prop.guard_rail", [0.3, 4.0, 0.75], Tag::GuardRail, Rail(0.78), [0.0, 0.0, 1.0], 1),
 ];
-
-/// Longest diagonal of the ground that a thing takes, metres: what is placed around furniture depends on it
-/// (`site::reach_m`).
-pub(crate) const LONGEST_M: f64 = 4.8;

@@ -4,7 +4,7 @@ use frames::OrientedRect;
 use frames::math::atan2;
 use nalgebra::Point3;
 
-use super::candidates::{Placer, STEP_M, Thing, Wanted};
+use super::candidates::{Placer, Thing, Wanted};
 use super::kinds::{FurnitureKind, FurniturePlace};
 use crate::scenery::claims::Candidate;
 use crate::scenery::frontage::Frontage;
@@ -18,6 +18,8 @@ const SHORTEST_M: f64 = 30.0;
 /// metres.
 const PIECE_M: f64 = 4.0;
 const STEP_OF_PIECES_M: f64 = 0.05;
+/// The foot of a rail is at most so much lower or higher than the edge of the road, metres.
+const STEP_M: f64 = 0.3;
 /// Neighbours may lie on each other by so much, metres.
 const LAP_M: f64 = 0.3;
 
@@ -102,9 +104,12 @@ pub(super) fn rails(
         // A road may be fast in a part of it alone, and another one may be nearer.
         let limit_mps = placer.site.map.speed_limit_at(middle).unwrap_or(0.0);
         let [right_m, left_m] = [height(-1.0), height(1.0)];
+        // Seen from it, the frontage runs to the left or to the right.
+        let runs_left = (b.y - a.y) * facing[0] - (b.x - a.x) * facing[1] > 0.0;
+        let edges_m = if runs_left { [from.point.z, to.point.z] } else { [to.point.z, from.point.z] };
         let z_m = 0.5 * (right_m + left_m);
         let good = limit_mps > HIGHWAY_MPS
-            && (z_m - spot.point.z).abs() <= STEP_M
+            && [right_m, left_m].iter().zip(edges_m).all(|(z, edge)| (z - edge).abs() <= STEP_M)
             && placer.land.clear_of_posts(&rect)
             && placer.land.off_road(&rect)
             && placer.land.is_dry(&rect)

@@ -2,6 +2,7 @@
 
 mod candidates;
 mod doors;
+mod doorways;
 mod kinds;
 mod lamps;
 mod lines;
@@ -11,7 +12,6 @@ mod tests;
 
 pub use kinds::{FURNITURE, FurnitureFront, FurnitureKind, FurniturePlace, FurnitureStyle};
 
-pub(crate) use kinds::LONGEST_M;
 pub(crate) use lamps::lamps;
 pub(crate) use small::small_things;
 

@@ -12,6 +12,7 @@ use settings::SceneryRules;
 
 use super::kinds::{FURNITURE, FurnitureKind};
 use crate::scenery::place;
+use crate::scenery::site::reach_m;
 use crate::surfaces::{Atlas, Region};
 
 struct Town {
@@ -79,7 +80,7 @@ fn every_kind_stands_somewhere() {
             let is_rail = kind.tag == Tag::GuardRail;
             assert!(is_rail || object.size_m() == kind.size_m, "{}", kind.model);
             let diagonal_m = (object.length_m * object.length_m + object.width_m * object.width_m).sqrt();
-            assert!(diagonal_m <= super::LONGEST_M, "{}: {diagonal_m}", kind.model);
+            assert!(diagonal_m <= reach_m::FURNITURE, "{}: {diagonal_m}", kind.model);
         }
     }
 }
@@ -177,7 +178,7 @@ fn walkers_get_past_and_drivers_see_who_crosses() {
 #[test]
 fn doors_stay_free() {
     for town in towns() {
-        // Two metres before the door of a building, which is in the middle of its front; of towers it is aside.
+        // Two metres before the door of a building, in the middle of its front; of towers it is aside.
         let ways: Vec<OrientedRect> = town
             .objects
             .iter()

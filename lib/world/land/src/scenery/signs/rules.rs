@@ -290,7 +290,7 @@ fn painted(side: &mut Side<'_>, painted: &Painted) {
 
 impl crate::scenery::frontage::Spot {
     /// Yaw of what looks at the traffic of the side.
-    pub(in crate::scenery) fn facing_traffic_rad(&self, front: &Frontage) -> f64 {
+    pub(crate) fn facing_traffic_rad(&self, front: &Frontage) -> f64 {
         // Forward along the road is a quarter to the left of away on the right side, to the right on the left
         // one.
         let quarter = if front.entity.is_multiple_of(2) { 0.5 * PI } else { -0.5 * PI };

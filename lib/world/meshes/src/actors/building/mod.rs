@@ -117,7 +117,7 @@ fn house(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle, variant: u32) {
     for at in places.iter().filter(|_| size.z - eaves > 2.2 && variant % 5 != 0) {
         let (at, z) = (at * half.y, [eaves + 0.35, eaves + 1.65]);
         let (front, behind) = (slope_x(z[0]), slope_x(z[1]) - 0.1);
-        b.cuboid(wall, Vec3::new(behind, at - 0.85, z[0]), Vec3::new(front, at + 0.85, z[1]));
+        b.cuboid(wall, Vec3::new(behind, at - 0.9, z[0]), Vec3::new(front, at + 0.9, z[1]));
         b.cuboid(
             trim,
             Vec3::new(behind - 0.2, at - 1.0, z[1]),

@@ -4,7 +4,7 @@ use glam::Vec3;
 use schema::geometry::{MeshPart, Surface};
 
 use super::outline::{along_x, along_y};
-use super::{BLACK, DARK_STEEL, STEEL, block, loose, pick, still};
+use super::parts::{BLACK, DARK_STEEL, STEEL, block, loose, pick, still, turned};
 use crate::solids::{MeshBuilder, circle};
 
 const TYRE: MeshPart = loose(Surface::Rubber, [0.03; 3]);
@@ -198,9 +198,9 @@ pub(super) fn recycling(b: &mut MeshBuilder, size: Vec3, variant: u32) {
             (0.84 * h, 0.62 * r),
             (0.93 * h, 0.28 * r),
         ];
-        super::turned(b, body, [0.0, y], &dome, 14);
+        turned(b, body, [0.0, y], &dome, 14);
         // A hook on top, an opening on either side, a label.
-        super::turned(b, STEEL, [0.0, y], &[(0.92 * h, 0.10 * r), (h, 0.06 * r)], 6);
+        turned(b, STEEL, [0.0, y], &[(0.92 * h, 0.10 * r), (h, 0.06 * r)], 6);
         for side in [-1.0f32, 1.0] {
             let at = |x: f32| Vec3::new(side * x, y, 0.66 * h);
             b.bar(BLACK, at(0.6 * r), at(0.95 * r), [0.17 * r; 2], 10);

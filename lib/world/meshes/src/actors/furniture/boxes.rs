@@ -4,8 +4,8 @@ use glam::Vec3;
 use schema::geometry::{MeshPart, Surface};
 
 use super::outline::{along_x, along_y};
+use super::parts::{BLACK, CONCRETE, DARK_STEEL, STEEL, block, pick, still, turned};
 use super::picture::{Lies, PRINTED, Skin};
-use super::{BLACK, CONCRETE, DARK_STEEL, STEEL, block, pick, still, turned};
 use crate::actors::canvas::Canvas;
 use crate::solids::{MeshBuilder, circle};
 

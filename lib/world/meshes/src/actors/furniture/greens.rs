@@ -4,7 +4,7 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{MeshPart, Surface};
 
-use super::{CONCRETE, DARK_STEEL, pick, still, turned};
+use super::parts::{CONCRETE, DARK_STEEL, block, pick, still, turned};
 use crate::solids::{MeshBuilder, circle};
 
 const fn green(rgb: [f32; 3]) -> MeshPart {
@@ -73,10 +73,10 @@ pub(super) fn planter(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     b.cuboid(trough, low, high);
     // A rim round the soil.
     for side in [-1.0f32, 1.0] {
-        super::block(b, trough, [side * (half.x - 0.03), 0.0], [0.03, half.y], [0.90 * top, top]);
-        super::block(b, trough, [0.0, side * (half.y - 0.03)], [half.x - 0.06, 0.03], [0.90 * top, top]);
+        block(b, trough, [side * (half.x - 0.03), 0.0], [0.03, half.y], [0.90 * top, top]);
+        block(b, trough, [0.0, side * (half.y - 0.03)], [half.x - 0.06, 0.03], [0.90 * top, top]);
     }
-    super::block(b, SOIL, [0.0, 0.0], [half.x - 0.06, half.y - 0.06], [0.90 * top, 0.955 * top]);
+    block(b, SOIL, [0.0, 0.0], [half.x - 0.06, half.y - 0.06], [0.90 * top, 0.955 * top]);
     let room = size.z - top;
     for (k, y) in [-0.56f32, 0.0, 0.56].into_iter().enumerate() {
         let at = Vec3::new(0.0, y * half.y, top);

@@ -7,6 +7,7 @@ mod bins;
 mod boxes;
 mod greens;
 mod outline;
+mod parts;
 mod picture;
 mod poles;
 mod posters;
@@ -18,11 +19,11 @@ mod shelter;
 use std::sync::Arc;
 
 use glam::Vec3;
-use schema::Tag;
 use schema::geometry::{MeshPart, Surface, TriMesh};
 
 use crate::actors::pieces::{ActorMesh, Coarser, Joint, Piece};
 use crate::solids::{Detail, MeshBuilder};
+use parts::{CONCRETE, block, still};
 use picture::Skin;
 
 /// Things of more triangles than this have a coarser level, from so far away on, metres.
@@ -125,37 +126,4 @@ pub(crate) fn thing(family: &str, kind: &str, size: Vec3, variant: u32) -> Optio
 
 fn count(mesh: &TriMesh) -> usize {
     mesh.triangles.len()
-}
-
-/// A part of what stands still.
-const fn still(surface: Surface, rgb: [f32; 3]) -> MeshPart {
-    MeshPart::new(Tag::Static, surface, rgb)
-}
-
-/// A part of what somebody moves now and then.
-const fn loose(surface: Surface, rgb: [f32; 3]) -> MeshPart {
-    MeshPart::new(Tag::Dynamic, surface, rgb)
-}
-
-const STEEL: MeshPart = still(Surface::Metal, [0.34, 0.35, 0.36]);
-const DARK_STEEL: MeshPart = still(Surface::Metal, [0.09, 0.095, 0.10]);
-const BLACK: MeshPart = still(Surface::Plain, [0.025; 3]);
-const CONCRETE: MeshPart = still(Surface::Concrete, [0.40, 0.39, 0.37]);
-
-/// One of some by number.
-fn pick<T: Copy>(all: &[T], variant: u32) -> T {
-    all[variant as usize % all.len()]
-}
-
-/// A box by its middle in plan, its half sides and its heights.
-fn block(b: &mut MeshBuilder, part: MeshPart, [x, y]: [f32; 2], half: [f32; 2], [low, high]: [f32; 2]) {
-    let (a, c) = (Vec3::new(x - half[0], y - half[1], low), Vec3::new(x + half[0], y + half[1], high));
-    b.cuboid(part, a, c);
-}
-
-/// A round upright body about an axis: `(height, radius)` from the ground up.
-fn turned(b: &mut MeshBuilder, part: MeshPart, [x, y]: [f32; 2], profile: &[(f32, f32)], sides: usize) {
-    let sides = if b.detail() == Detail::Full { sides } else { sides.div_ceil(2).max(5) };
-    let layers: Vec<(Vec3, f32, f32)> = profile.iter().map(|(z, r)| (Vec3::new(x, y, *z), *r, *r)).collect();
-    b.stack(part, &layers, sides);
 }

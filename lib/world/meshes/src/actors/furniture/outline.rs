@@ -16,8 +16,8 @@ fn counter_clockwise(outline: &[[f32; 2]]) -> Vec<[f32; 2]> {
     outline
 }
 
-/// A prism along y over an outline of `(x, z)`. Its ends are cut into a fan about the first corner, which must
-/// see all others.
+/// A prism along y over an outline of `(x, z)`. Its ends are cut into a fan about the first corner, which
+/// must see all others.
 pub(super) fn along_y(b: &mut MeshBuilder, part: MeshPart, outline: &[[f32; 2]], [from, to]: [f32; 2]) {
     // Seen against +y, x runs to the left.
     let mut outline = counter_clockwise(outline);

@@ -4,8 +4,8 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{MeshPart, Surface};
 
+use super::parts::{block, pick, turned};
 use super::picture::{Lies, PRINTED, Skin};
-use super::{block, pick, turned};
 use crate::actors::canvas::Canvas;
 use crate::solids::MeshBuilder;
 
@@ -137,7 +137,7 @@ pub(super) fn clock(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     }
 }
 
-/// From where on a bus stop's plate reaches up, as a share of its height, and its timetable's heights, metres.
+/// From where on a bus stop's plate reaches up, as a share of its height; its timetable's heights, metres.
 const PLATE_FROM: f32 = 0.80;
 const TIMES: [f32; 2] = [1.05, 1.65];
 

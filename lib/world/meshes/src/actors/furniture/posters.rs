@@ -6,8 +6,8 @@ use schema::mesh_textures::{Image, Wrap};
 use std::sync::Arc;
 
 use super::outline::along_y;
+use super::parts::{BLACK, CONCRETE, DARK_STEEL, STEEL, block, loose, pick, still, turned};
 use super::picture::{Lies, PRINTED, Skin, poster};
-use super::{BLACK, CONCRETE, DARK_STEEL, STEEL, block, loose, pick, still, turned};
 use crate::actors::canvas::Canvas;
 use crate::solids::{Detail, MeshBuilder, circle};
 

@@ -3,7 +3,8 @@
 use glam::Vec3;
 use schema::geometry::{MeshPart, Surface};
 
-use super::{BLACK, CONCRETE, DARK_STEEL, STEEL, block, pick, still, turned};
+use super::outline::along_x;
+use super::parts::{BLACK, CONCRETE, DARK_STEEL, STEEL, block, pick, still, turned};
 use crate::solids::MeshBuilder;
 
 const WHITE: MeshPart = still(Surface::Plain, [0.80, 0.80, 0.78]);
@@ -186,7 +187,7 @@ pub(super) fn parking_meter(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     ]
     .map(|[y, z]| [y * half.y, z * h])
     .to_vec();
-    super::outline::along_x(b, body, &head, [-0.9 * half.x, 0.9 * half.x]);
+    along_x(b, body, &head, [-0.9 * half.x, 0.9 * half.x]);
     let glass = still(Surface::Glass, [0.04, 0.05, 0.05]);
     block(b, glass, [0.9 * half.x, 0.0], [0.1 * half.x, 0.55 * half.y], [0.88 * h, 0.95 * h]);
     block(b, BLACK, [0.9 * half.x, 0.0], [0.06 * half.x, 0.12 * half.y], [0.80 * h, 0.85 * h]);

@@ -4,8 +4,8 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{MeshPart, Surface};
 
-use super::block;
 use super::outline::along_y;
+use super::parts::block;
 use crate::solids::MeshBuilder;
 
 const ZINC: MeshPart = MeshPart::new(Tag::GuardRail, Surface::Metal, [0.42, 0.43, 0.44]);

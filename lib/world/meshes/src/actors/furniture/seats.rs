@@ -4,7 +4,7 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{MeshPart, Surface};
 
-use super::{CONCRETE, DARK_STEEL, STEEL, block, loose, pick, still, turned};
+use super::parts::{CONCRETE, DARK_STEEL, STEEL, block, loose, pick, still, turned};
 use crate::solids::{Detail, MeshBuilder, circle};
 
 /// Two tables with two chairs each, a parasol between them.

@@ -3,8 +3,9 @@
 use glam::Vec3;
 use schema::geometry::{MeshPart, Surface};
 
+use super::outline::along_y;
+use super::parts::{block, pick, still};
 use super::picture::{Lies, PRINTED, Skin, poster};
-use super::{block, pick, still};
 use crate::actors::canvas::Canvas;
 use crate::solids::{Detail, MeshBuilder};
 
@@ -42,7 +43,8 @@ pub(super) fn bus_shelter(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     for (z, high) in [(0.16, 0.06), (under - 0.06, 0.06)] {
         block(b, metal, [middle, -end], [reach, 0.025], [z, z + high]);
     }
-    for z in [0.95, 1.45] {
+    let bands: &[f32] = if b.detail() == Detail::Full { &[0.95, 1.45] } else { &[] };
+    for z in bands.iter().copied() {
         block(b, band, [middle, -end], [reach, 0.006], [z, z + 0.09]);
     }
     // The frame at the other end.
@@ -58,7 +60,7 @@ pub(super) fn bus_shelter(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     let slab: MeshPart = still(Surface::Metal, [0.20, 0.21, 0.22]);
     let front = half.x - 0.01;
     let side = [[-half.x, under], [front, under + 0.05], [front, h], [front - 0.06, h], [-half.x, h - 0.10]];
-    super::outline::along_y(b, slab, &side, [-half.y, half.y]);
+    along_y(b, slab, &side, [-half.y, half.y]);
     let name = still(Surface::Plain, pick(&[[0.70, 0.55, 0.05], [0.70; 3], [0.60, 0.62, 0.60]], variant));
     block(b, name, [half.x - 0.004, 0.0], [0.004, 0.62 * half.y], [under + 0.075, h - 0.025]);
     // The bench.
