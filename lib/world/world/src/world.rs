@@ -123,8 +123,8 @@ impl Pieces {
 const WORK_LIGHT: &str = "prop.construction_light";
 
 /// Shadows of static objects are those of their meshes at this level-of-detail distance, metres, for every
-/// camera.
-const STILL_M: f64 = 40.0;
+/// camera: nearer levels of trees have three times as many triangles.
+const STILL_M: f64 = 60.0;
 
 /// Bounding radius of somebody with limbs, as a share of the sum of length, width and height.
 const RIGGED_REACH: f64 = 1.0;

@@ -12,7 +12,7 @@ use crate::scenery::plots::is_open_to_the_street;
 use crate::scenery::site::{Site, reach_m};
 
 /// Share of such houses.
-const PAVED: f64 = 0.85;
+const PAVED: f64 = 0.95;
 /// The largest distance from the sidewalk to the house, metres.
 const DEEPEST_M: f64 = 6.0;
 /// The sidewalk's edge is so near the slab's, and the slab's middle is so near the line between its ends,
@@ -93,7 +93,8 @@ fn court(site: &Site<'_>, house: &Candidate<House<'_>>, land: &Land<'_>) -> Opti
     if setback_m > DEEPEST_M || !site.near(house.takes.centre_m[0], house.takes.centre_m[1], reach_m::BUILT) {
         return None;
     }
-    let half = house.takes.half_m.map(|h| h - AROUND_M);
+    // The ground beside it that the house keeps free is paved, too.
+    let half = [house.takes.half_m[0] - AROUND_M, house.takes.half_m[1] - 0.05];
     let edge = [-1.0, 0.0, 1.0].map(|u| front.at(along_m + u * half[1]).map(|spot| spot.point));
     let [Some(a), Some(middle), Some(b)] = edge else { return None };
     let ([ax, ay], [cx, cy]) = (house.takes.axis, house.takes.centre_m);

@@ -60,7 +60,7 @@ pub(crate) fn patches(site: &Site<'_>, uses: &Uses, land: &Land<'_>, drafts: &mu
             Use::Meadow if wanted < density => cover.square(&MEADOW, [x, y], PLOT_M, None),
             Use::Shrubs => {
                 for share in [wanted, second] {
-                    if share < 0.6 * density {
+                    if share < 0.75 * density {
                         cover.quarter(&SHRUBS, [x, y]);
                     }
                 }

@@ -116,9 +116,9 @@ impl Uses {
             let noise = self.noise("world/uses/town", [x, y], 44.0);
             let [i, j] = [x, y].map(|v| (v / PLOT_M).floor() as i32);
             return Some(match noise {
-                low if low < 0.36 => Use::Meadow,
+                low if low < 0.40 => Use::Meadow,
                 high if high > 0.68 => Use::Wood,
-                _ if self.stream("world/uses/shrubs", i, j).chance(0.22) => Use::Shrubs,
+                _ if self.stream("world/uses/shrubs", i, j).chance(0.34) => Use::Shrubs,
                 _ => Use::Lawn,
             });
         }

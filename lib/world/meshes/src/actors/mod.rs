@@ -49,6 +49,7 @@ mod works;
 use std::sync::Arc;
 
 use crate::people::Walker;
+use crate::solids::Detail;
 use catalogue::{Body, BusBody, PersonBody, models, trains};
 use glam::Vec3;
 use schema::geometry::TriMesh;
@@ -93,17 +94,32 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
     }
     let (family, kind) = model.split_once('.')?;
     match family {
-        "building" => building::building(kind, size, variant).and_then(fixed),
+        "building" => in_two(FAR_BUILDING_M, |detail| building::building(kind, size, variant, detail)),
         "tree" | "bush" | "plant" => plants::plant(family, kind, size, variant),
         "light" | "sign" | "pole" | "rsu" => street::street(family, kind, size, variant)
             .and_then(fixed)
             .or_else(|| furniture::thing(family, kind, size, variant)),
-        "prop" => props::prop(kind, size, variant)
+        "prop" if props::BORDERS.contains(&kind) => {
+            in_two(FAR_BORDER_M, |detail| props::prop(kind, size, variant, detail))
+        }
+        "prop" => props::prop(kind, size, variant, Detail::Full)
             .or_else(|| works::item(kind, size, variant))
             .and_then(fixed)
             .or_else(|| furniture::thing(family, kind, size, variant)),
         _ => None,
     }
+}
+
+/// From where on buildings, and fences, are made of fewer pieces, metres.
+const FAR_BUILDING_M: f64 = 70.0;
+const FAR_BORDER_M: f64 = 30.0;
+
+/// Something that never moves, made for close by and for farther away.
+fn in_two(from_m: f64, make: impl Fn(Detail) -> Option<TriMesh>) -> Option<ActorMesh> {
+    let pieces =
+        |detail: Detail| make(detail).map(|mesh| vec![Piece { mesh: Arc::new(mesh), joint: Joint::Fixed }]);
+    let far = Coarser { from_m, pieces: pieces(Detail::Coarse)? };
+    Some(ActorMesh { coarser: vec![far], ..ActorMesh::of(pieces(Detail::Full)?) })
 }
 
 /// Whether objects of a model and a size differ by their variants; if not, [`actor_mesh`] makes the same of

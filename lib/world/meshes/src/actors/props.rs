@@ -5,11 +5,14 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{MeshPart, Paving, Surface, TriMesh};
 
-use crate::solids::MeshBuilder;
+use crate::solids::{Detail, MeshBuilder};
+
+/// Those that are made of many small pieces close by.
+pub(crate) const BORDERS: [&str; 3] = ["fence", "boards", "wire"];
 
 /// Street furniture by name.
-pub(crate) fn prop(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
-    let mut b = MeshBuilder::new();
+pub(crate) fn prop(kind: &str, size: Vec3, variant: u32, detail: Detail) -> Option<TriMesh> {
+    let mut b = MeshBuilder::at(detail);
     match kind {
         "bench" => bench(&mut b, size),
         "rack" => rack(&mut b, size),
@@ -117,6 +120,9 @@ fn fence(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     // Palings at a spacing that keeps a fence light.
     let palings = (size.x / if wood { 0.22 } else { 0.30 }).floor().clamp(1.0, 120.0) as usize;
     let half_width = if wood { 0.05 } else { 0.012 };
+    // Far away one is as wide as three.
+    let by = if b.detail() == Detail::Coarse { 3 } else { 1 };
+    let (palings, half_width) = (palings.div_ceil(by), half_width * by as f32);
     for i in 0..palings {
         let x = -half.x + size.x * (i as f32 + 0.5) / palings as f32;
         b.cuboid(
@@ -137,7 +143,8 @@ fn boards(b: &mut MeshBuilder, size: Vec3, variant: u32) {
         let x = (-half.x + size.x * i as f32 / bays as f32).clamp(-half.x + 0.05, half.x - 0.05);
         b.cuboid(shades[0], Vec3::new(x - 0.05, -half.y, 0.0), Vec3::new(x + 0.05, half.y, size.z));
     }
-    let count = (size.x / 0.25).round().max(1.0) as usize;
+    let board_m = if b.detail() == Detail::Coarse { size.x } else { 0.25 };
+    let count = (size.x / board_m).round().max(1.0) as usize;
     for i in 0..count {
         let at = |k: usize| -half.x + size.x * k as f32 / count as f32;
         // No two boards are of one length.
@@ -159,15 +166,17 @@ fn wire(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     }
     // Double rods lie closer together than a picture shows: every fourth is there, and stands for its
     // neighbours.
-    let rods = (size.z / 0.2).round().max(2.0) as usize;
+    let by = if b.detail() == Detail::Coarse { 3.0 } else { 1.0 };
+    let rods = (size.z / (0.2 * by)).round().max(2.0) as usize;
+    let r = 0.006 * by;
     for k in 0..rods {
         let z = 0.08 + (size.z - 0.14) * k as f32 / (rods - 1) as f32;
-        b.cuboid(metal, Vec3::new(-half.x, -0.006, z - 0.006), Vec3::new(half.x, 0.006, z + 0.006));
+        b.cuboid(metal, Vec3::new(-half.x, -r, z - r), Vec3::new(half.x, r, z + r));
     }
-    let uprights = (size.x / 0.2).round().max(1.0) as usize;
+    let uprights = (size.x / (0.2 * by)).round().max(1.0) as usize;
     for k in 0..uprights {
         let x = -half.x + size.x * (k as f32 + 0.5) / uprights as f32;
-        b.cuboid(metal, Vec3::new(x - 0.005, -0.005, 0.06), Vec3::new(x + 0.005, 0.005, size.z - 0.04));
+        b.cuboid(metal, Vec3::new(x - r, -r, 0.06), Vec3::new(x + r, r, size.z - 0.04));
     }
 }
 

@@ -160,7 +160,7 @@ pub const FURNITURE: [FurnitureKind; 40] = [
     kind("prop.grit_bin", [0.7, 1.0, 0.8], Tag::Static, Beyond, [0.7, 0.5, 0.6], 3),
     kind("prop.kiosk", [2.0, 2.5, 3.24], Tag::Static, Beyond, [0.4, 0.8, 0.0], 3).on_foot(0.48),
     kind("prop.bus_shelter", [1.5, 4.0, 2.8], Tag::Static, Beyond, [1.0, 1.4, 0.5], 6).on_foot(0.3),
-    kind("pole.flag", [0.4, 1.8, 7.5], Tag::Pole, Beyond, [0.4, 0.6, 0.2], 3).facing_traffic(),
+    kind("pole.flag", [0.4, 1.8, 7.5], Tag::Pole, Beyond, [1.0, 2.0, 0.3], 3).facing_traffic(),
     kind("prop.billboard", [0.9, 3.8, 4.7], Tag::Static, Verge([3.6, 8.0]), [0.2, 0.0, 1.5], 6).facing_traffic(),
     // Beside doors.
     kind("prop.letterbox", [0.46, 0.25, 1.15], Tag::Static, Door(HOUSES), [0.3, 0.2, 0.6], 4),
@@ -173,7 +173,7 @@ pub const FURNITURE: [FurnitureKind; 40] = [
     kind("prop.a_board", [0.62, 0.6, 1.0], Tag::Dynamic, Door(SHOPS), [0.25, 0.25, 0.0], 9).facing_traffic(),
     kind("prop.cafe", [2.0, 4.0, 2.94], Tag::Dynamic, Door(SHOPS), [0.20, 0.25, 0.0], 6).on_foot(0.46),
     // Country roads.
-    kind("prop.delineator", [0.13, 0.13, 1.0], Tag::Static, DELINEATORS, [0.0, 0.0, 1.0], 1),
-    kind("pole.utility", [2.4, 0.9, 9.5], Tag::Pole, POLES, [0.0, 0.0, 0.5], 3),
+    kind("prop.delineator", [0.13, 0.13, 1.0], Tag::Pole, DELINEATORS, [0.0, 0.0, 1.0], 1),
+    kind("pole.utility", [2.4, 0.9, 9.5], Tag::Pole, POLES, [0.45, 0.2, 0.8], 3),
     kind("prop.guard_rail", [0.3, 4.0, 0.75], Tag::GuardRail, Rail(0.78), [0.0, 0.0, 1.0], 1),
 ];

@@ -1,10 +1,10 @@
-//! What follows a country road: delineators, the poles of lines, guard rails.
+//! What follows a road: delineators, the poles of lines, guard rails.
 
 use frames::OrientedRect;
 use frames::math::atan2;
 use nalgebra::Point3;
 
-use super::candidates::{Placer, Thing, Wanted};
+use super::candidates::{Placer, Thing, Wanted, street};
 use super::kinds::{FurnitureKind, FurniturePlace};
 use crate::scenery::claims::Candidate;
 use crate::scenery::frontage::Frontage;
@@ -20,6 +20,11 @@ const PIECE_M: f64 = 4.0;
 const STEP_OF_PIECES_M: f64 = 0.05;
 /// The foot of a rail is at most so much lower or higher than the edge of the road, metres.
 const STEP_M: f64 = 0.3;
+/// Rails stand beside slower roads, too, from this limit on, m/s, where the land this far beyond the edge is so
+/// much lower than that, metres.
+const AT_DROPS_MPS: f64 = 13.0;
+const DROP_BEYOND_M: f64 = 5.0;
+const DROP_M: f64 = 1.5;
 /// Neighbours may lie on each other by so much, metres.
 const LAP_M: f64 = 0.3;
 
@@ -39,9 +44,6 @@ pub(super) fn line(
     // Both sides of a road have it, or none.
     let mut random = placer.stream(kind.1, front.entity / 2);
     let (chance, apart_m) = (random.unit(), random.uniform(shortest_m, longest_m));
-    if chance >= kind.1.often[2] {
-        return;
-    }
     for slot in 0u32.. {
         let along_m = (0.5 + f64::from(slot)) * apart_m;
         let variant = random.next_u32() % kind.1.variants;
@@ -49,7 +51,7 @@ pub(super) fn line(
             break;
         }
         let Some(spot) = front.at(along_m) else { break };
-        if spot.walk_m <= 0.0 {
+        if chance < kind.1.often[street(&spot)] {
             let wanted = Wanted { kind, front, along_m, beyond_m, variant, slot: slot.into() };
             candidates.extend(placer.candidate(&wanted, &spot));
         }
@@ -64,7 +66,7 @@ pub(super) fn rails(
     front: &Frontage,
     candidates: &mut Vec<Candidate<Thing>>,
 ) {
-    if front.speed_mps <= HIGHWAY_MPS {
+    if front.speed_mps < AT_DROPS_MPS {
         return;
     }
     let pieces = (front.length_m() / PIECE_M).floor();
@@ -108,7 +110,9 @@ pub(super) fn rails(
         let runs_left = (b.y - a.y) * facing[0] - (b.x - a.x) * facing[1] > 0.0;
         let edges_m = if runs_left { [from.point.z, to.point.z] } else { [to.point.z, from.point.z] };
         let z_m = 0.5 * (right_m + left_m);
-        let good = limit_mps > HIGHWAY_MPS
+        let beyond = spot.beside(DROP_BEYOND_M, 0.0);
+        let drop_m = spot.point.z - placer.site.levels().terrain.height(beyond.x, beyond.y);
+        let good = (limit_mps > HIGHWAY_MPS || limit_mps >= AT_DROPS_MPS && drop_m > DROP_M)
             && [right_m, left_m].iter().zip(edges_m).all(|(z, edge)| (z - edge).abs() <= STEP_M)
             && placer.land.clear_of_posts(&rect)
             && placer.land.off_road(&rect)

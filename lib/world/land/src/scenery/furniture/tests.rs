@@ -112,8 +112,15 @@ fn nothing_stands_on_a_lane_for_vehicles() {
 fn nothing_stands_in_another_thing() {
     for town in towns() {
         // What stands on the ground, with its ground; what hangs over it does not count.
-        let all: Vec<(&TileObjectRow, OrientedRect)> =
-            town.objects.iter().map(|object| (object, ground(object).grown(-0.01))).collect();
+        // Plants of the land are anywhere, and paving is what is stood on.
+        let is_solid =
+            |o: &&TileObjectRow| !o.model.starts_with("plant.") && footprint(&o.actor(1)).is_some();
+        let all: Vec<(&TileObjectRow, OrientedRect)> = town
+            .objects
+            .iter()
+            .filter(is_solid)
+            .map(|object| (object, ground(object).grown(-0.01)))
+            .collect();
         let mut compared = 0;
         for (object, rect) in things(town) {
             let rect = rect.grown(-0.01);
@@ -210,7 +217,7 @@ fn rails_follow_fast_roads_without_a_break() {
             let rect = ground(o);
             [rect.at(0.0, -1.0), rect.at(0.0, 1.0)]
         };
-        let mut loose = 0;
+        let (mut loose, mut beside_fast) = (0, 0);
         for rail in &rails {
             let [x, y, z] = rail.xyz_m;
             let lane = town
@@ -221,7 +228,7 @@ fn rails_follow_fast_roads_without_a_break() {
             let limit = info.speed_limit_mps.unwrap_or(0.0);
             let beside_m = lane.t_m.abs() - 0.5 * lane.width_m;
             // Shoulders are up to some metres wide.
-            assert!(limit > 19.0, "{}: {limit} m/s at {:?}", town.name, rail.xyz_m);
+            assert!(limit > 12.9, "{}: {limit} m/s at {:?}", town.name, rail.xyz_m);
             assert!((0.4..6.0).contains(&beside_m), "{}: {beside_m}", town.name);
             let heading = town.map.lane_point(lane.lane, lane.s, 0.0).expect("on it").heading_rad;
             let [a, b] = ends(rail);
@@ -233,10 +240,14 @@ fn rails_follow_fast_roads_without_a_break() {
                     ends(other).iter().any(|p| (p[0] - end[0]).abs().max((p[1] - end[1]).abs()) < 0.12)
                 })
             };
-            loose += [a, b].into_iter().filter(|end| !touches(*end)).count();
+            // At slower roads rails are where the land falls, no longer.
+            if limit > 19.0 {
+                beside_fast += 1;
+                loose += [a, b].into_iter().filter(|end| !touches(*end)).count();
+            }
         }
         // Of both ends of all pieces few are ends of the rail.
-        assert!(10 * loose <= rails.len() * 2, "{}: {loose} of {}", town.name, rails.len());
+        assert!(4 * loose <= beside_fast, "{}: {loose} of {beside_fast}", town.name);
         all += rails.len();
     }
     assert!(all > 300, "{all}");

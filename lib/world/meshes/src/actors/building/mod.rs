@@ -10,7 +10,7 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{MeshPart, Surface, TriMesh, Wall};
 
-use crate::solids::MeshBuilder;
+use crate::solids::{Detail, MeshBuilder};
 use parts::{cornice, door, downpipe, storeys};
 
 const TAG: Tag = Tag::Building;
@@ -62,10 +62,10 @@ impl BuildingStyle {
 }
 
 /// A building with its entrance on the side of +x.
-pub(crate) fn building(kind: &str, size: Vec3, variant: u32) -> Option<TriMesh> {
+pub(crate) fn building(kind: &str, size: Vec3, variant: u32, detail: Detail) -> Option<TriMesh> {
     let half = 0.5 * size;
     let look = BuildingStyle::of(kind, variant);
-    let mut b = MeshBuilder::new();
+    let mut b = MeshBuilder::at(detail);
     match kind {
         "house" => house(&mut b, size, &look, variant),
         "tower" => tower(&mut b, size, &look, variant),

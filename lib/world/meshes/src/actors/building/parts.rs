@@ -4,7 +4,7 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{MeshPart, Surface};
 
-use crate::solids::MeshBuilder;
+use crate::solids::{Detail, MeshBuilder};
 
 /// Walls round a middle, half so wide along x and y, from `z[0]` to `z[1]`, with a plinth of some height.
 pub(super) fn storeys(
@@ -81,12 +81,13 @@ pub(super) fn balcony(
         let at = |p: [f32; 2], z: f32| Vec3::new(p[0], p[1], z);
         let grow = Vec3::new(0.02, 0.02, 0.0);
         b.cuboid(rail, at(from, top - 0.05) - grow, at(to, top) + grow);
-        if variant.is_multiple_of(2) {
+        // Far away bars look as a sheet does.
+        if variant.is_multiple_of(2) || b.detail() == Detail::Coarse {
             b.cuboid(rail, at(from, z + 0.08) - 0.5 * grow, at(to, top - 0.12) + 0.5 * grow);
             continue;
         }
         let long = (to[0] - from[0]).abs() + (to[1] - from[1]).abs();
-        let bars = (long / 0.16).round().max(2.0) as usize;
+        let bars = (long / 0.2).round().max(2.0) as usize;
         for k in 0..=bars {
             let share = k as f32 / bars as f32;
             let p = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];

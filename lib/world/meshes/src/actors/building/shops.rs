@@ -4,7 +4,7 @@ use glam::Vec3;
 use schema::geometry::{MeshPart, Surface, Wall};
 
 use super::TAG;
-use crate::solids::MeshBuilder;
+use crate::solids::{Detail, MeshBuilder};
 
 /// Width of a shop's front, metres, and of the posts between them.
 const SHOP_M: f32 = 6.4;
@@ -73,7 +73,8 @@ fn awning(b: &mut MeshBuilder, rgb: [f32; 3], x: f32, [y0, y1]: [f32; 2], top: f
     let light = MeshPart::new(TAG, Surface::Plain, [0.62, 0.60, 0.55]);
     let low = AWNING_M[0].min(top - 0.15);
     let out = x + AWNING_M[1];
-    let stripes = ((y1 - y0) / 0.45).round().max(2.0) as u32;
+    let stripe_m = if b.detail() == Detail::Coarse { y1 - y0 } else { 0.45 };
+    let stripes = ((y1 - y0) / stripe_m).round().max(1.0) as u32;
     for k in 0..stripes {
         let at = |k: u32| y0 + (y1 - y0) * k as f32 / stripes as f32;
         let ring = |y: f32| -> Vec<Vec3> {

@@ -1,6 +1,7 @@
 //! Bollards, hydrants, marker posts, meters and pumps.
 
 use glam::Vec3;
+use schema::Tag;
 use schema::geometry::{MeshPart, Surface};
 
 use super::outline::along_x;
@@ -136,7 +137,8 @@ pub(super) fn hydrant_post(b: &mut MeshBuilder, size: Vec3, variant: u32) {
 pub(super) fn delineator(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     let (half, h) = (0.5 * size, size.z);
     // It is flat towards traffic, which passes along y.
-    let part = |k: usize| if k == 1 { BLACK } else { WHITE };
+    let pole = |part: MeshPart| MeshPart { tag: Tag::Pole, ..part };
+    let part = |k: usize| pole(if k == 1 { BLACK } else { WHITE });
     let ring = |z: f32, slant: f32| -> Vec<Vec3> {
         let at = |x: f32, y: f32| Vec3::new(x * half.x, 0.94 * y * half.y, z - slant * (x + 1.0));
         [at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)].to_vec()
@@ -144,7 +146,7 @@ pub(super) fn delineator(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     b.loft(
         &[ring(0.0, 0.0), ring(0.70 * h, 0.03), ring(0.92 * h, 0.03), ring(h, 0.02)],
         |k, _| part(k),
-        [WHITE; 2],
+        [pole(WHITE); 2],
     );
     let light = pick(
         &[still(Surface::Reflector, [0.85, 0.85, 0.82]), still(Surface::Reflector, [0.85, 0.35, 0.02])],
@@ -153,7 +155,7 @@ pub(super) fn delineator(b: &mut MeshBuilder, size: Vec3, variant: u32) {
     for side in [-1.0f32, 1.0] {
         block(
             b,
-            light,
+            pole(light),
             [-0.1 * half.x, 0.9 * side * half.y],
             [0.45 * half.x, 0.1 * half.y],
             [0.73 * h, 0.84 * h],

@@ -10,7 +10,7 @@ use crate::actors::ActorMesh;
 use crate::solids::MeshBuilder;
 
 /// From where on the coarser levels are there, metres.
-const FROM_M: [f64; 2] = [20.0, 50.0];
+const FROM_M: [f64; 2] = [18.0, 40.0];
 /// Sides of squares of leaves at the finer levels, metres.
 const SIDES_M: [f32; 2] = [0.13, 0.24];
 /// Area of leaves over that of the body they stand on.

@@ -225,6 +225,8 @@ fn sizes_in_triangles_are_moderate() {
             3500
         } else if name.starts_with("plant") {
             1600
+        } else if name.starts_with("building") {
+            3500
         } else {
             1500
         };

@@ -16,7 +16,7 @@ use crate::actors::ActorMesh;
 use crate::solids::MeshBuilder;
 
 /// From where on the coarser levels are there, metres.
-const FROM_M: [f64; 3] = [15.0, 40.0, 100.0];
+const FROM_M: [f64; 3] = [12.0, 35.0, 90.0];
 /// So many of a kind differ in where their leaves are, and in so many ways are they coloured.
 const VARIANTS: u32 = 4;
 /// Patches that are larger than usual have at most so many times as many triangles.
