@@ -47,7 +47,7 @@ const AT_HALLS: [f64; 5] = [0.0, 0.62, 0.26, 0.04, 0.08];
 const YARD_M: [[f64; 2]; 2] = [[4.0, 9.0], [8.0, 16.0]];
 const STRIP_M: [[f64; 2]; 2] = [[0.9, 2.0], [2.5, 6.0]];
 /// Length of a piece between plots, metres: all are alike, so that they share meshes.
-const PIECE_M: f64 = 3.0;
+const PIECE_M: f64 = 4.5;
 /// Two borders side by side are nearer than this: one of them is left out, metres.
 const DOUBLE_M: f64 = 1.6;
 

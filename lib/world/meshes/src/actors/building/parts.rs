@@ -77,21 +77,21 @@ pub(super) fn balcony(
         [[x[0], y0 + 0.02], [x[1], y0 + 0.02]],
         [[x[0], y1 - 0.02], [x[1], y1 - 0.02]],
     ];
-    for [from, to] in runs {
+    for (run, [from, to]) in runs.into_iter().enumerate() {
         let at = |p: [f32; 2], z: f32| Vec3::new(p[0], p[1], z);
         let grow = Vec3::new(0.02, 0.02, 0.0);
         b.cuboid(rail, at(from, top - 0.05) - grow, at(to, top) + grow);
         // Far away bars look as a sheet does.
         if variant.is_multiple_of(2) || b.detail() == Detail::Coarse {
             b.cuboid(rail, at(from, z + 0.08) - 0.5 * grow, at(to, top - 0.12) + 0.5 * grow);
-            continue;
-        }
-        let long = (to[0] - from[0]).abs() + (to[1] - from[1]).abs();
-        let bars = (long / 0.2).round().max(2.0) as usize;
-        for k in 0..=bars {
-            let share = k as f32 / bars as f32;
-            let p = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
-            b.cuboid(rail, at(p, z) - 0.4 * grow, at(p, top - 0.05) + 0.4 * grow);
+        } else if run == 0 {
+            let bars = ((to[1] - from[1]) / 0.3).round().max(2.0) as usize;
+            for k in 0..=bars {
+                let y = from[1] + (to[1] - from[1]) * k as f32 / bars as f32;
+                b.cuboid(rail, at([from[0], y], z) - 0.5 * grow, at([from[0], y], top - 0.05) + 0.5 * grow);
+            }
+        } else {
+            b.cuboid(rail, at(from, z + 0.45) - 0.5 * grow, at(to, z + 0.5) + 0.5 * grow);
         }
     }
 }

@@ -226,7 +226,7 @@ fn sizes_in_triangles_are_moderate() {
         } else if name.starts_with("plant") {
             1600
         } else if name.starts_with("building") {
-            3500
+            5500
         } else {
             1500
         };

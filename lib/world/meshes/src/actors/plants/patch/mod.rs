@@ -12,13 +12,16 @@ use schema::{Normal, Tag};
 
 use super::leaves::{Draws, prepare, push, reserve, share};
 use super::levels::levels_of;
-use crate::actors::ActorMesh;
+use crate::actors::{ActorMesh, Coarser};
 use crate::solids::MeshBuilder;
 
 /// From where on the coarser levels are there, metres.
 const FROM_M: [f64; 3] = [12.0, 35.0, 90.0];
 /// So many of a kind differ in where their leaves are, and in so many ways are they coloured.
 const VARIANTS: u32 = 4;
+/// Lower patches are not there from so far away on, metres: they are grass in grass.
+const LOW_M: f32 = 0.9;
+const GONE_M: f64 = 180.0;
 /// Patches that are larger than usual have at most so many times as many triangles.
 const MOST: f32 = 4.0;
 
@@ -279,6 +282,10 @@ impl Patch {
             }
             mesh
         });
-        levels_of(meshes.collect(), FROM_M)
+        let mut actor = levels_of(meshes.collect(), FROM_M);
+        if self.size.z < LOW_M {
+            actor.coarser.push(Coarser { from_m: GONE_M, pieces: Vec::new() });
+        }
+        actor
     }
 }
