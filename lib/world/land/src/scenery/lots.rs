@@ -61,7 +61,7 @@ pub(crate) struct House<'a> {
 
 impl House<'_> {
     /// How far its door is from the middle of its front, to the left of who looks out of it, metres: that of
-    /// towers is aside (`building.rs` of their meshes).
+    /// towers is aside (their meshes say so).
     pub(crate) fn door_m(&self) -> f64 {
         if self.kind.model == "building.tower" { 0.125 * self.width_m } else { 0.0 }
     }
