@@ -10,7 +10,7 @@ use crate::actors::pieces::{ActorMesh, Coarser, Joint, Piece};
 /// Levels of a tree.
 pub(super) const LEVELS: usize = 4;
 /// From where on the coarser ones of them are there, metres.
-pub(super) const FROM_M: [f64; LEVELS - 1] = [16.0, 38.0, 95.0];
+pub(super) const FROM_M: [f64; LEVELS - 1] = [20.0, 50.0, 130.0];
 
 /// An actor of some levels, the finest first, all of them stretched as that one is, so that it fills its box.
 /// The middle stays where it is: there its foot stands.
