@@ -12,13 +12,13 @@ use crate::scenery::plots::is_open_to_the_street;
 use crate::scenery::site::{Site, reach_m};
 
 /// Share of such houses.
-const PAVED: f64 = 0.95;
+const PAVED: f64 = 1.0;
 /// The largest distance from the sidewalk to the house, metres.
-const DEEPEST_M: f64 = 6.0;
+const DEEPEST_M: f64 = 7.0;
 /// The sidewalk's edge is so near the slab's, and the slab's middle is so near the line between its ends,
 /// metres.
-const STRAIGHT_M: f64 = 0.25;
-const EVEN_M: f64 = 0.03;
+const STRAIGHT_M: f64 = 0.35;
+const EVEN_M: f64 = 0.05;
 /// The steepest slab along the street, rise over run.
 const SLOPE: f64 = 0.08;
 /// The slab reaches this far into the land, and is so thick at most, metres.
@@ -184,7 +184,7 @@ mod tests {
             let [x, y] = [inside.position.x, inside.position.y];
             let walk_m = ground.levels.height(x, y, inside.position.z);
             let top_m = z + court.height_m;
-            assert!((top_m - walk_m).abs() < 0.03, "{top_m} {walk_m}");
+            assert!((top_m - walk_m).abs() < 0.05, "{top_m} {walk_m}");
         }
     }
 }

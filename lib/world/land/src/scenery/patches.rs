@@ -68,7 +68,7 @@ pub(crate) fn patches(site: &Site<'_>, uses: &Uses, land: &Land<'_>, drafts: &mu
             Use::Wood => {
                 let beside = [(PLOT_M, 0.0), (-PLOT_M, 0.0), (0.0, PLOT_M), (0.0, -PLOT_M)];
                 let is_edge = beside.into_iter().any(|(dx, dy)| uses.at(x + dx, y + dy) != Some(Use::Wood));
-                let shares = if is_edge { [0.9, 0.6] } else { [0.35, 0.0] };
+                let shares = if is_edge { [0.95, 0.8] } else { [0.35, 0.0] };
                 for (share, drawn) in shares.into_iter().zip([wanted, second]) {
                     if drawn < share * density {
                         cover.quarter(&SHRUBS, [x, y]);

@@ -39,8 +39,8 @@ const BETWEEN: [Option<Border>; 5] = [
     None,
 ];
 /// Shares of these at houses in town, in the country, and at halls.
-const IN_TOWN: [f64; 5] = [0.24, 0.08, 0.36, 0.22, 0.10];
-const IN_THE_COUNTRY: [f64; 5] = [0.25, 0.12, 0.15, 0.33, 0.15];
+const IN_TOWN: [f64; 5] = [0.22, 0.08, 0.28, 0.33, 0.09];
+const IN_THE_COUNTRY: [f64; 5] = [0.22, 0.10, 0.12, 0.44, 0.12];
 const AT_HALLS: [f64; 5] = [0.0, 0.62, 0.26, 0.04, 0.08];
 /// Depth of the yard behind a building, and width of the strip beside it: fewest and most metres, in town and
 /// in the country.

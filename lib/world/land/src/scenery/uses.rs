@@ -118,14 +118,14 @@ impl Uses {
             return Some(match noise {
                 low if low < 0.40 => Use::Meadow,
                 high if high > 0.68 => Use::Wood,
-                _ if self.stream("world/uses/shrubs", i, j).chance(0.34) => Use::Shrubs,
+                _ if self.stream("world/uses/shrubs", i, j).chance(0.45) => Use::Shrubs,
                 _ => Use::Lawn,
             });
         }
         let noise = self.noise("world/uses/country", [x, y], 84.0);
         Some(match noise {
             low if low < 0.38 => Use::Wood,
-            middle if middle < 0.43 => Use::Shrubs,
+            middle if middle < 0.45 => Use::Shrubs,
             middle if middle < 0.52 => Use::Meadow,
             high if high > 0.74 => Use::Lawn,
             _ => self.field(x, y),

@@ -174,6 +174,6 @@ pub const FURNITURE: [FurnitureKind; 40] = [
     kind("prop.cafe", [2.0, 4.0, 2.94], Tag::Dynamic, Door(SHOPS), [0.20, 0.25, 0.0], 6).on_foot(0.46),
     // Country roads.
     kind("prop.delineator", [0.13, 0.13, 1.0], Tag::Pole, DELINEATORS, [0.0, 0.0, 1.0], 1),
-    kind("pole.utility", [2.4, 0.9, 9.5], Tag::Pole, POLES, [0.45, 0.2, 0.8], 3),
+    kind("pole.utility", [2.4, 0.9, 9.5], Tag::Pole, POLES, [0.7, 0.4, 0.9], 3),
     kind("prop.guard_rail", [0.3, 4.0, 0.75], Tag::GuardRail, Rail(0.78), [0.0, 0.0, 1.0], 1),
 ];

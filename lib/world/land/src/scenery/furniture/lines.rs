@@ -14,6 +14,8 @@ use crate::scenery::swept::is_swept;
 
 /// No line along shorter sides of roads, metres.
 const SHORTEST_M: f64 = 30.0;
+/// Beside a sidewalk a line stands so far beyond it, metres.
+const BEYOND_WALK_M: f64 = 0.7;
 /// Pieces of rails have such a length, or a little more on the outside of a bend; the next step of theirs,
 /// metres.
 const PIECE_M: f64 = 4.0;
@@ -22,9 +24,9 @@ const STEP_OF_PIECES_M: f64 = 0.05;
 const STEP_M: f64 = 0.3;
 /// Rails stand beside slower roads, too, from this limit on, m/s, where the land this far beyond the edge is so
 /// much lower than that, metres.
-const AT_DROPS_MPS: f64 = 13.0;
+const AT_DROPS_MPS: f64 = 11.0;
 const DROP_BEYOND_M: f64 = 5.0;
-const DROP_M: f64 = 1.5;
+const DROP_M: f64 = 1.2;
 /// Neighbours may lie on each other by so much, metres.
 const LAP_M: f64 = 0.3;
 
@@ -52,6 +54,7 @@ pub(super) fn line(
         }
         let Some(spot) = front.at(along_m) else { break };
         if chance < kind.1.often[street(&spot)] {
+            let beyond_m = if spot.walk_m > 0.0 { BEYOND_WALK_M } else { beyond_m };
             let wanted = Wanted { kind, front, along_m, beyond_m, variant, slot: slot.into() };
             candidates.extend(placer.candidate(&wanted, &spot));
         }

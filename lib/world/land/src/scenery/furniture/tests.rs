@@ -228,7 +228,7 @@ fn rails_follow_fast_roads_without_a_break() {
             let limit = info.speed_limit_mps.unwrap_or(0.0);
             let beside_m = lane.t_m.abs() - 0.5 * lane.width_m;
             // Shoulders are up to some metres wide.
-            assert!(limit > 12.9, "{}: {limit} m/s at {:?}", town.name, rail.xyz_m);
+            assert!(limit > 10.9, "{}: {limit} m/s at {:?}", town.name, rail.xyz_m);
             assert!((0.4..6.0).contains(&beside_m), "{}: {beside_m}", town.name);
             let heading = town.map.lane_point(lane.lane, lane.s, 0.0).expect("on it").heading_rad;
             let [a, b] = ends(rail);
