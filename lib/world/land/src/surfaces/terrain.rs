@@ -228,17 +228,22 @@ impl Terrain {
         }
     }
 
-    /// Whether lanes lie closely over all of a cell.
+    /// Whether the lanes of one road lie closely over all of a cell. Between those of two roads there may be
+    /// gaps that are too narrow for any point to lie in, but not for a ray.
     fn is_hidden(&self, cover: &Cover, corners: &[Point3<f64>; 4]) -> bool {
         let (low, side) = (corners[0], corners[2] - corners[0]);
-        (0..=HIDDEN_STEPS).all(|i| {
-            (0..=HIDDEN_STEPS).all(|j| {
-                let at = |k: u32, low: f64, side: f64| low + side * f64::from(k) / f64::from(HIDDEN_STEPS);
-                let (x, y) = (at(i, low.x, side.x), at(j, low.y, side.y));
-                let land = self.height(x, y);
-                cover.at(x, y).any(|(_, z)| z > land && z - land < HIDDEN_M)
-            })
-        })
+        let at = |k: u32, low: f64, side: f64| low + side * f64::from(k) / f64::from(HIDDEN_STEPS);
+        let place = |i: u32, j: u32| (at(i, low.x, side.x), at(j, low.y, side.y));
+        let is_under = |road: u32, (x, y): (f64, f64)| {
+            let land = self.height(x, y);
+            cover.at(x, y).any(|(facet, z)| facet.road == Some(road) && z > land && z - land < HIDDEN_M)
+        };
+        let (x, y) = place(0, 0);
+        let mut roads: Vec<u32> = cover.at(x, y).filter_map(|(facet, _)| facet.road).collect();
+        roads.dedup();
+        roads
+            .into_iter()
+            .any(|road| (0..=HIDDEN_STEPS).all(|i| (0..=HIDDEN_STEPS).all(|j| is_under(road, place(i, j)))))
     }
 
     /// Water over every cell of the land that reaches below it in or beside its outline: the shore is where
