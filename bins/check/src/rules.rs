@@ -60,7 +60,7 @@ rules! {
     BevPresent "bev presence": "a box on the agent's own ground has a cell in its footprint and a cell around it",
     BevGround "bev ground": "returns from roads and sidewalks lie on cells of their class or within 1.5 cells of one",
     BevMapped "bev map": "where the vector map's ground leads from the agent without other decks, cells amid lanes, sidewalks (8 m from where lanes run over them) and crosswalks (on roads) are set (single cells and pairs aside), and lines beside driving lanes have a cell within one",
-    BevStray "bev strays": "road cells lie within 7 m of the vector map's lanes and junctions, cells of sidewalks within 1 m, of crosswalks and lines within one cell of its own",
+    BevStray "bev strays": "road cells lie within 7 m of the vector map's lanes and junctions, cells of sidewalks within 9 m, of crosswalks and lines within one cell of its own",
     BevIds "bev ids": "cells of objects have an id of the log with a class that they show, in the footprint of its box as above, and no other cells have one",
     BevHeights "bev heights": "paved cells have a height: the agent's within 0.5 m where it stands, the vector map's within 0.3 m below and 0.5 m above (kerbs), that of returns within 0.3 m",
     BevPaint "bev paint": "stop lines are those of the vector map within one cell",

@@ -12,8 +12,9 @@ use crate::vector_map::{Line, Shape, VectorMap};
 /// Gaps and islands in junctions are paved up to some size: road cells lie this near to a lane or a junction,
 /// m.
 const PAVED_M: f64 = 7.0;
-/// Corners between sidewalks are closed: their cells lie this near to one, m.
-const CORNER_M: f64 = 1.0;
+/// Corners between sidewalks are closed, and forecourts up to the houses are paved: cells of sidewalks lie this
+/// near to one, m.
+const FORECOURT_M: f64 = 9.0;
 /// Sidewalks are not judged this near to where lanes of others run over them, m.
 const CROSSED_M: f64 = 8.0;
 /// Where heights of the map in a cell and its neighbours differ by more, decks may lie above one another, m.
@@ -47,7 +48,7 @@ pub(super) struct Mapped {
 impl Mapped {
     pub(super) fn of(map: &VectorMap, mask: &Mask, agent: &Motion) -> Self {
         let cells = mask.cells;
-        let margin = (PAVED_M / mask.cell_m).ceil() as usize + 2;
+        let margin = (PAVED_M.max(FORECOURT_M) / mask.cell_m).ceil() as usize + 2;
         let place = |p: &V3| {
             let [row, column] = mask.place(p[0], p[1]);
             [row, column, p[2] - agent.origin[2]]
@@ -158,7 +159,7 @@ impl Mapped {
         });
         for (class, set, sums, reach) in [
             ("road", road, &self.paved, reach_of(PAVED_M)),
-            ("sidewalk", sidewalk, &self.sidewalk, reach_of(CORNER_M)),
+            ("sidewalk", sidewalk, &self.sidewalk, reach_of(FORECOURT_M)),
             ("crosswalk", crosswalk, &self.crosswalk, 1),
             ("road_line", line, &dividers, 1),
         ] {

@@ -73,6 +73,7 @@ impl Thing {
     pub(super) fn draft(&self, [x, y]: [f64; 2]) -> Draft {
         let Self { kind, size_m, z_m, roll_rad, yaw_rad, variant } = *self;
         let mut draft = Draft::new(kind.actor_kind(), kind.model, kind.tag, size_m, [x, y, z_m], yaw_rad);
+        draft.tags.extend(kind.also);
         draft.rpy_rad = [roll_rad, 0.0, yaw_rad];
         draft.variant = variant;
         draft

@@ -63,6 +63,8 @@ pub struct FurnitureKind {
     pub size_m: [f64; 3],
     /// What it is.
     pub tag: Tag,
+    /// What some of its parts are besides.
+    pub also: &'static [Tag],
     /// Where it stands.
     pub place: FurniturePlace,
     /// Where it looks.
@@ -98,7 +100,7 @@ const fn kind(
     variants: u32,
 ) -> FurnitureKind {
     let (front, style, foot_m) = (FurnitureFront::Road, FurnitureStyle::Any, 0.0);
-    FurnitureKind { model, size_m, tag, place, front, often, foot_m, variants, style }
+    FurnitureKind { model, size_m, tag, also: &[], place, front, often, foot_m, variants, style }
 }
 
 impl FurnitureKind {
@@ -108,6 +110,10 @@ impl FurnitureKind {
 
     const fn on_foot(self, foot_m: f64) -> Self {
         Self { foot_m, ..self }
+    }
+
+    const fn with(self, also: &'static [Tag]) -> Self {
+        Self { also, ..self }
     }
 
     const fn american(self) -> Self {
@@ -141,7 +147,7 @@ pub const FURNITURE: [FurnitureKind; 40] = [
     kind("prop.postbox_round_top", [0.5, 0.5, 1.25], Tag::Static, KerbOrBeyond, [1.5, 1.5, 0.2], 3).american(),
     kind("prop.postbox_pillar", [0.48, 0.48, 1.55], Tag::Static, KerbOrBeyond, [1.0, 1.2, 0.0], 3).european(),
     kind("prop.newspaper_boxes", [0.4, 0.9, 1.1], Tag::Static, KerbOrBeyond, [1.0, 2.0, 0.0], 5).american(),
-    kind("prop.planter", [0.6, 1.2, 1.1], Tag::Static, KerbOrBeyond, [2.0, 8.0, 0.0], 6),
+    kind("prop.planter", [0.6, 1.2, 1.1], Tag::Static, KerbOrBeyond, [2.0, 8.0, 0.0], 6).with(&[Tag::Vegetation]),
     kind("prop.advert_column", [1.4, 1.4, 3.6], Tag::Static, KerbOrBeyond, [0.7, 1.2, 0.0], 6).on_foot(0.26).european(),
     kind("prop.city_light", [0.25, 1.3, 2.4], Tag::Static, KerbOrBeyond, [0.8, 2.0, 0.0], 6).facing_traffic(),
     kind("pole.bus_stop", [0.26, 0.46, 2.9], Tag::Pole, KerbOrBeyond, [1.0, 1.0, 0.6], 3).facing_traffic(),
@@ -153,25 +159,25 @@ pub const FURNITURE: [FurnitureKind; 40] = [
     kind("prop.cabinet", [0.4, 1.2, 1.4], Tag::Static, Beyond, [6.0, 6.0, 0.8], 3),
     kind("prop.cabinet_small", [0.32, 0.6, 1.05], Tag::Static, Beyond, [4.0, 4.0, 0.8], 3),
     kind("prop.phone_box", [0.9, 0.9, 2.3], Tag::Static, Beyond, [0.6, 0.8, 0.2], 3),
-    kind("prop.flower_tub", [0.8, 0.8, 0.75], Tag::Static, Beyond, [2.0, 5.0, 0.3], 6),
+    kind("prop.flower_tub", [0.8, 0.8, 0.75], Tag::Static, Beyond, [2.0, 5.0, 0.3], 6).with(&[Tag::Vegetation]),
     kind("prop.bicycle_pump", [0.36, 0.8, 1.35], Tag::Static, Beyond, [0.3, 1.0, 0.0], 3),
     kind("prop.info_board", [0.3, 1.2, 2.1], Tag::Static, Beyond, [0.4, 0.6, 0.3], 3),
     kind("prop.recycling", [1.3, 2.8, 1.9], Tag::Static, Beyond, [0.6, 0.8, 0.3], 4).on_foot(0.25),
     kind("prop.grit_bin", [0.7, 1.0, 0.8], Tag::Static, Beyond, [0.7, 0.5, 0.6], 3),
     kind("prop.kiosk", [2.0, 2.5, 3.24], Tag::Static, Beyond, [0.4, 0.8, 0.0], 3).on_foot(0.48),
     kind("prop.bus_shelter", [1.5, 4.0, 2.8], Tag::Static, Beyond, [1.0, 1.4, 0.5], 6).on_foot(0.3),
-    kind("pole.flag", [0.4, 1.8, 7.5], Tag::Pole, Beyond, [1.0, 2.0, 0.3], 3).facing_traffic(),
+    kind("pole.flag", [0.4, 1.8, 7.5], Tag::Pole, Beyond, [1.0, 2.0, 0.3], 3).facing_traffic().with(&[Tag::Other]),
     kind("prop.billboard", [0.9, 3.8, 4.7], Tag::Static, Verge([3.6, 8.0]), [0.2, 0.0, 1.5], 6).facing_traffic(),
     // Beside doors.
     kind("prop.letterbox", [0.46, 0.25, 1.15], Tag::Static, Door(HOUSES), [0.3, 0.2, 0.6], 4),
     kind("prop.wheelie_bins", [0.75, 2.0, 1.07], Tag::Dynamic, Door(HOMES), [0.35, 0.3, 0.3], 6),
-    kind("prop.container", [1.1, 1.37, 1.6], Tag::Dynamic, Door(LARGE), [0.10, 0.08, 0.10], 3).on_foot(0.2).european(),
+    kind("prop.container", [1.1, 1.37, 1.6], Tag::Dynamic, Door(LARGE), [0.10, 0.08, 0.10], 3).on_foot(0.2).european().with(&[Tag::Static]),
     kind("prop.dumpster", [1.5, 1.8, 1.7], Tag::Static, Door(LARGE), [0.12, 0.08, 0.25], 3).on_foot(0.3).american(),
     kind("prop.skip", [1.7, 3.4, 1.3], Tag::Static, Yard(HOMES), [0.06, 0.06, 0.06], 3),
     kind("prop.bags", [0.85, 1.3, 0.6], Tag::Dynamic, Door(HOMES), [0.08, 0.07, 0.04], 3),
     kind("prop.crates", [0.6, 1.2, 0.9], Tag::Dynamic, Door(SHOPS), [0.15, 0.12, 0.06], 5),
-    kind("prop.a_board", [0.62, 0.6, 1.0], Tag::Dynamic, Door(SHOPS), [0.25, 0.25, 0.0], 9).facing_traffic(),
-    kind("prop.cafe", [2.0, 4.0, 2.94], Tag::Dynamic, Door(SHOPS), [0.20, 0.25, 0.0], 6).on_foot(0.46),
+    kind("prop.a_board", [0.62, 0.6, 1.0], Tag::Dynamic, Door(SHOPS), [0.25, 0.25, 0.0], 9).facing_traffic().with(&[Tag::Static]),
+    kind("prop.cafe", [2.0, 4.0, 2.94], Tag::Dynamic, Door(SHOPS), [0.20, 0.25, 0.0], 6).on_foot(0.46).with(&[Tag::Static, Tag::Other]),
     // Country roads.
     kind("prop.delineator", [0.13, 0.13, 1.0], Tag::Pole, DELINEATORS, [0.0, 0.0, 1.0], 1),
     kind("pole.utility", [2.4, 0.9, 9.5], Tag::Pole, POLES, [0.7, 0.4, 0.9], 3),

@@ -75,7 +75,8 @@ fn every_kind_stands_somewhere() {
         let all: usize = towns().iter().map(count).sum();
         assert!(all > 0, "no {}", kind.model);
         for object in towns().iter().flat_map(|town| &town.objects).filter(|o| o.model == kind.model) {
-            assert_eq!(object.semantic_tags, [kind.tag as u8]);
+            let tags: Vec<u8> = std::iter::once(&kind.tag).chain(kind.also).map(|tag| *tag as u8).collect();
+            assert_eq!(object.semantic_tags, tags);
             assert!(object.variant < kind.variants, "{}", kind.model);
             let is_rail = kind.tag == Tag::GuardRail;
             assert!(is_rail || object.size_m() == kind.size_m, "{}", kind.model);

@@ -235,6 +235,20 @@ fn sizes_in_triangles_are_moderate() {
 }
 
 #[test]
+fn furniture_has_the_tags_that_its_rows_say() {
+    for kind in &land::scenery::FURNITURE {
+        for variant in 0..kind.variants {
+            for piece in &made(kind.model, kind.size_m, variant).pieces {
+                for triangle in 0..piece.mesh.triangles.len() {
+                    let tag = piece.mesh.part(triangle).tag;
+                    assert!(tag == kind.tag || kind.also.contains(&tag), "{}: {tag:?}", kind.model);
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn riders_and_machines_have_their_tags() {
     for model in MODELS.iter().filter(|m| matches!(m.base, BaseType::Motorcycle | BaseType::Bicycle)) {
         let actor = made(model.name, model.size_m, 1);
