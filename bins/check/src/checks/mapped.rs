@@ -12,8 +12,8 @@ use crate::vector_map::{Line, Shape, VectorMap};
 /// Gaps and islands in junctions are paved up to some size: road cells lie this near to a lane or a junction,
 /// m.
 const PAVED_M: f64 = 7.0;
-/// Corners between sidewalks are closed, and forecourts up to the houses are paved: cells of sidewalks lie this
-/// near to one, m.
+/// Corners between sidewalks are closed, and forecourts up to the houses are paved: cells of sidewalks lie
+/// this near to one, m.
 const FORECOURT_M: f64 = 9.0;
 /// Sidewalks are not judged this near to where lanes of others run over them, m.
 const CROSSED_M: f64 = 8.0;

@@ -78,7 +78,7 @@ fn settings_are_written_as_ever() {
     town03.toml: 24a4df01 0fb9d819 e3ac8abc af99136b 961b4abb 8331b841 5f2eeba9 eab30c91 dafa5808
     town04.toml: ea041b6c 4cc2e2d7 e3ac8abc c0144bb8 961b4abb 8331b841 5f2eeba9 eab30c91 4fa69b5b
     town10.toml: 5ded1352 d799cfcd e3ac8abc 89f0cb48 961b4abb 8331b841 5f2eeba9 eab30c91 cccee083
-    every_key.toml: d17f67dc 0011915a 60d22a57 2f86cf5c ff64fdd9 5729b336 b14115f7 364d2be1 3ecc8f04
+    every_key.toml: 0f5065d7 0011915a b4c47427 2f86cf5c ff64fdd9 5729b336 b14115f7 364d2be1 3ecc8f04
     every_key.yaml: 64b9b880 6a6b2630 ed854b02 931cb5c2 d92a2cd4 a9d6c410 8f7b9b9a eab30c91 c2f67f5c
     rigs/nuscenes.toml: c5a84d3d 5834cd7f cd6439a3 c2b790a0 961b4abb ef24d922 5102b1d9 eab30c91 de8af1e7
     rigs/opv2v-rsu.toml: 67ff8e56 5834cd7f cd6439a3 c875a191 961b4abb ef24d922 cd424764 eab30c91 a6a5fc24

@@ -164,7 +164,8 @@ impl Cover<'_, '_> {
         self.drafts.push(draft);
     }
 
-    /// Height of the land in the middle of a rectangle, and its rise along its sides; none where it is uneven.
+    /// Height of the land in the middle of a rectangle, and its rise along its sides; none where it is
+    /// uneven.
     fn plane(&self, rect: &OrientedRect) -> Option<(f64, [f64; 2])> {
         let terrain = &self.site.levels().terrain;
         let at = |u: f64, v: f64| {

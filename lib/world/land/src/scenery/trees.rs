@@ -42,7 +42,8 @@ struct Pit {
     height_m: f64,
 }
 
-/// Young trees are held by stakes where these leave room enough to walk by; others stand in soil or in a grate.
+/// Young trees are held by stakes where these leave room enough to walk by; others stand in soil or in a
+/// grate.
 const STAKED: Pit = Pit { model: "prop.tree_stakes", side_m: 0.75, height_m: 1.8 };
 const SOIL: Pit = Pit { model: "prop.tree_pit", side_m: 1.0, height_m: 0.04 };
 const GRATE: Pit = Pit { model: "prop.tree_grate", side_m: 1.0, height_m: 0.03 };

@@ -22,8 +22,8 @@ const PIECE_M: f64 = 4.0;
 const STEP_OF_PIECES_M: f64 = 0.05;
 /// The foot of a rail is at most so much lower or higher than the edge of the road, metres.
 const STEP_M: f64 = 0.3;
-/// Rails stand beside slower roads, too, from this limit on, m/s, where the land this far beyond the edge is so
-/// much lower than that, metres.
+/// Rails stand beside slower roads, too, from this limit on, m/s, where the land this far beyond the edge is
+/// so much lower than that, metres.
 const AT_DROPS_MPS: f64 = 11.0;
 const DROP_BEYOND_M: f64 = 5.0;
 const DROP_M: f64 = 1.2;

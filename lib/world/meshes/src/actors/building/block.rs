@@ -5,7 +5,7 @@ use schema::geometry::{MeshPart, Surface, Wall};
 
 use super::parts::{aerial, balcony, cornice, door, downpipe, parapet, storeys};
 use super::shops::shops;
-use super::{BuildingStyle, TAG};
+use super::style::{BuildingStyle, TAG};
 use crate::solids::MeshBuilder;
 
 /// The front wall stands back from the front of the box: room for awnings and balconies, metres.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use schema::geometry::{MeshPart, Surface, Wall};
 
-use super::TAG;
+use super::style::TAG;
 use crate::solids::{Detail, MeshBuilder};
 
 /// Width of a shop's front, metres, and of the posts between them.

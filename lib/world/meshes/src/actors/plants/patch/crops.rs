@@ -4,7 +4,7 @@ use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::geometry::Surface;
 
-use super::{Budget, Grows, Look, Patch, USUAL};
+use super::grown::{Budget, Grows, Look, Patch, USUAL};
 use crate::actors::ActorMesh;
 
 /// From row to row, metres; patches that stand side by side go on with it as nearly as whole rows do.

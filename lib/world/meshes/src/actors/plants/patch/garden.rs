@@ -4,7 +4,7 @@ use frames::math::f32::sin_cos;
 use glam::Vec3;
 use schema::geometry::Surface;
 
-use super::{Budget, Look, Patch};
+use super::grown::{Budget, Look, Patch};
 use crate::actors::ActorMesh;
 
 /// Linear colours of flowers: red, orange, yellow, white, pink, violet, blue.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 use schema::geometry::Surface;
 
-use super::{Grows, Look, Patch, USUAL};
+use super::grown::{Grows, Look, Patch, USUAL};
 use crate::actors::ActorMesh;
 use crate::actors::plants::leaves::Draws;
 
