@@ -67,7 +67,7 @@ fn house(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle, variant: u32) {
     // The way up to the ridge is even: where a dormer's foot and its top meet the slope.
     let slope_x = |z: f32| half.x * (1.0 - (z - eaves) / (size.z - eaves));
     let places: &[f32] = [&[0.0][..], &[-0.45, 0.45], &[0.4]][variant as usize / 2 % 3];
-    for at in places.iter().filter(|_| size.z - eaves > 2.2 && variant % 5 != 0) {
+    for at in places.iter().filter(|_| size.z - eaves > 2.2 && !variant.is_multiple_of(5)) {
         let (at, z) = (at * half.y, [eaves + 0.35, eaves + 1.65]);
         let (front, behind) = (slope_x(z[0]), slope_x(z[1]) - 0.1);
         b.cuboid(wall, Vec3::new(behind, at - 0.9, z[0]), Vec3::new(front, at + 0.9, z[1]));

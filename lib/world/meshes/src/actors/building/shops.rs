@@ -61,7 +61,7 @@ pub(super) fn shops(
         for y in [left, left + wide - POST_M] {
             b.cuboid(trim, Vec3::new(x - 0.05, y, 0.0), Vec3::new(x + 0.10, y + POST_M, ground - SIGN_M[1]));
         }
-        if (variant / 2 + k) % 3 != 0 {
+        if !(variant / 2 + k).is_multiple_of(3) {
             awning(b, rgb, x, pane, high);
         }
     }

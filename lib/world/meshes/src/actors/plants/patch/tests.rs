@@ -74,7 +74,7 @@ fn levels_keep_the_area_of_leaves_and_cost_less_and_less() {
             assert!((area / near - 1.0).abs() < within, "{name}: {area} of {near} m2");
             let count = mesh.triangles.len();
             // Larger ones have more.
-            let usual = Vec3::from(sizes(kind)[0]);
+            let usual = sizes(kind)[0];
             let share = (size.x * size.y / (usual.x * usual.y)).max(1.0) * (size.z / usual.z).max(1.0);
             let most = [1610.0, 660.0, 190.0, 56.0][level] * share;
             assert!(count < last && count as f32 <= most, "{name}: {count} triangles");
