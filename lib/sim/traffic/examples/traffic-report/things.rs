@@ -6,14 +6,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use catalogue::benches;
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
-use schema::ActorKind;
 use schema::geometry::Surface;
 use schema::tables::ActorRow;
+use schema::{ActorKind, Tag};
 
 use super::film::{Body, Film};
 
 /// What of a thing is lower than this over its foot is in the way, metres.
 const HIGH_M: f64 = 1.6;
+/// What is lower is stepped on, metres.
+const STEP_M: f64 = 0.06;
 /// Feet are looked for this far below the ground, metres.
 const LOW_M: f64 = 0.5;
 /// Poles of lights and signs are drawn this far into the ground, metres.
@@ -89,6 +91,12 @@ fn meets(body: &Body, i: usize, triangle: &[[f64; 2]; 3]) -> bool {
     !([[1.0, 0.0], [0.0, 1.0]].into_iter().chain(edges).any(apart_of))
 }
 
+/// Whether something is ground: a surface, paving, or what is flatter than a step.
+fn is_stepped_on(actor: &ActorRow) -> bool {
+    let is_paving = actor.semantic_tags == [Tag::Sidewalk as u8];
+    actor.kind == ActorKind::Surface || is_paving || actor.height_m < STEP_M
+}
+
 /// People and vehicles inside obstacles.
 #[derive(Debug, Default)]
 pub(crate) struct Things {
@@ -101,7 +109,7 @@ pub(crate) struct Things {
 /// Walkers and ordinary drivers in things: each pair once.
 pub(crate) fn measure(film: &Film<'_>, fixed: &[&ActorRow]) -> Things {
     let things: Vec<Thing<'_>> =
-        fixed.iter().filter(|a| a.kind != ActorKind::Surface).filter_map(|a| Thing::new(a)).collect();
+        fixed.iter().filter(|actor| !is_stepped_on(actor)).filter_map(|actor| Thing::new(actor)).collect();
     let cell = |x: f64, y: f64| ((x / CELL_M).floor() as i32, (y / CELL_M).floor() as i32);
     let mut cells: BTreeMap<(i32, i32), Vec<usize>> = BTreeMap::new();
     for (n, thing) in things.iter().enumerate() {
