@@ -11,8 +11,6 @@ use crate::scenery::lots::{AROUND_M, House};
 use crate::scenery::plots::is_open_to_the_street;
 use crate::scenery::site::{Site, reach_m};
 
-/// Share of such houses.
-const PAVED: f64 = 1.0;
 /// The largest distance from the sidewalk to the house, metres.
 const DEEPEST_M: f64 = 7.0;
 /// The sidewalk's edge is so near the slab's, and the slab's middle is so near the line between its ends,
@@ -65,7 +63,7 @@ pub(crate) fn forecourts(
     for house in houses {
         let (_, entity, slot) = house.rank;
         let mut random = Stream::new(site.rules.seed, slot, "world/forecourts", entity);
-        let wanted = random.chance(PAVED * site.rules.density);
+        let wanted = random.chance(site.rules.density);
         let variant = random.next_u32() % PAVINGS;
         if !wanted || !house.what.is_in_town || !is_open_to_the_street(&house.what) {
             continue;

@@ -10,7 +10,7 @@ use crate::scenery::land::Land;
 use crate::scenery::site::Site;
 use crate::scenery::uses::{PLOT_M, Use, Uses};
 
-/// Patches keep this far from lanes and water, metres.
+/// Patches keep this far from lanes, metres.
 const CLEAR_M: f64 = 1.5;
 /// Their plants stand this deep in the ground, and the ground under one differs from a plane by so much at
 /// most, metres.
@@ -22,10 +22,10 @@ const STEEPEST: f64 = 0.4;
 const SHAPES: u32 = 4;
 const COLOURS: u32 = 4;
 
-/// A kind of patch: its model and its height in metres, least and most; heights are quarters of a metre or
-/// tenths, so that patches share meshes.
+/// A kind of patch.
 struct Kind {
     model: &'static str,
+    /// Heights that it may have: few, so that patches share meshes.
     heights_m: &'static [f64],
     /// Lengths along rows that are tried, from the largest on, and how wide a patch is at the most.
     sides_m: &'static [f64],
