@@ -180,8 +180,8 @@ struct Agentframe<'a> {
 const FRAME: i32 = 40;
 
 impl StillWorld for Agentframe<'_> {
-    fn around(&self, centre_world_m: [f64; 3], nearer_m: f64) -> Snapshot {
-        self.world.still(centre_world_m, 1000.0 - nearer_m)
+    fn around(&self, centre_world_m: [f64; 3], nearer_m: f64, detail_m: f64) -> Snapshot {
+        self.world.still(centre_world_m, 1000.0 - nearer_m, detail_m)
     }
 
     fn moves(&self, object: ObjectId) -> bool {

@@ -18,8 +18,8 @@ const SIGHT_M: f64 = 1000.0;
 pub(crate) struct StaticWorld<'a>(pub(crate) &'a Replay);
 
 impl StillWorld for StaticWorld<'_> {
-    fn around(&self, centre_world_m: [f64; 3], nearer_m: f64) -> Snapshot {
-        self.0.still(centre_world_m, SIGHT_M, nearer_m)
+    fn around(&self, centre_world_m: [f64; 3], nearer_m: f64, detail_m: f64) -> Snapshot {
+        self.0.still(centre_world_m, SIGHT_M, nearer_m, detail_m)
     }
 
     fn moves(&self, object: ObjectId) -> bool {

@@ -150,6 +150,15 @@ impl<'v, 'a> SurfaceTriangle<'v, 'a> {
         Bend::new(mesh.corners(self.triangle as usize), normals, &self.view.to_local, side)
     }
 
+    /// The mean of the normals for light of its corners (unit), on the camera's side, local frame; that of its
+    /// plane where it is flat.
+    #[must_use]
+    pub fn mean_normal_local(&self) -> Vec3 {
+        let Some([a, b, c]) = self.view.mesh.bent(self.triangle as usize) else { return self.normal_local };
+        let side = if self.offset > 0.0 { -1.0 } else { 1.0 };
+        (self.view.to_local * ((a + b + c) * side)).normalize_or(self.normal_local)
+    }
+
     /// The share of the light of sky and ground that reaches its corners past its own body; `None` where that
     /// is all.
     #[must_use]

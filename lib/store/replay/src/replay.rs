@@ -75,10 +75,10 @@ impl Replay {
     }
 
     /// What never moves within a radius of a place, and no farther than it is there around every agent, less
-    /// `nearer_m`.
+    /// `nearer_m`; as detailed as it is at `detail_m`.
     #[must_use]
-    pub fn still(&self, centre_world_m: [f64; 3], radius_m: f64, nearer_m: f64) -> Snapshot {
-        self.world.still(centre_world_m, radius_m.min(self.log.info.world_radius_m) - nearer_m)
+    pub fn still(&self, centre_world_m: [f64; 3], radius_m: f64, nearer_m: f64, detail_m: f64) -> Snapshot {
+        self.world.still(centre_world_m, radius_m.min(self.log.info.world_radius_m) - nearer_m, detail_m)
     }
 
     /// Whether an object of a snapshot may move.

@@ -122,10 +122,6 @@ impl Pieces {
 /// The lights that work sites are lit with.
 const WORK_LIGHT: &str = "prop.construction_light";
 
-/// Shadows of static objects are those of their meshes at this level-of-detail distance, metres, for every
-/// camera: nearer levels of trees have three times as many triangles.
-const STILL_M: f64 = 60.0;
-
 /// Bounding radius of somebody with limbs, as a share of the sum of length, width and height.
 const RIGGED_REACH: f64 = 1.0;
 
@@ -484,12 +480,12 @@ impl SceneWorld {
     }
 
     /// What never moves within `radius_m` (by bounding spheres) of a place, by id and piece, as detailed as
-    /// it is at [`STILL_M`]; no lamp burns.
+    /// it is at `detail_m` from an agent; no lamp burns.
     #[must_use]
-    pub fn still(&self, centre_world_m: [f64; 3], radius_m: f64) -> Snapshot {
+    pub fn still(&self, centre_world_m: [f64; 3], radius_m: f64, detail_m: f64) -> Snapshot {
         let origin = LocalOrigin::near(centre_world_m);
         let instances =
-            self.fixed_around(&origin, centre_world_m, radius_m, |fixed| fixed.seen.holds(STILL_M), |_| 0);
+            self.fixed_around(&origin, centre_world_m, radius_m, |fixed| fixed.seen.holds(detail_m), |_| 0);
         let near = self.fixed_cabins.iter().filter(|c| distance_m(c.object_m, centre_world_m) <= radius_m);
         let mut cabins: Vec<Instance> = near.map(|cabin| cabin.placed(&origin, 0)).collect();
         cabins.sort_by_key(|cabin| cabin.object);

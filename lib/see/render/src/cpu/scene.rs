@@ -25,9 +25,8 @@ pub struct CpuScene<'a> {
     snapshot: &'a Snapshot,
     /// The instances, and after them objects behind panes.
     placed: Vec<Option<Placed<'a>>>,
-    tree: Bvh,
-    /// Over objects behind panes.
-    cabins: Bvh,
+    /// Over instances, and over objects behind panes: made when rays are first followed.
+    trees: OnceLock<[Bvh; 2]>,
     split: OnceLock<Split>,
 }
 
@@ -148,7 +147,10 @@ impl Placements<'_> {
     pub fn of<'p>(&'p self, query: &RayQuery<'p>) -> Placement<'p> {
         let moment = self.moments.iter().find(|moment| moment.is_of(query));
         let (placed, trees) = match moment {
-            None => (&self.scene.placed, [&self.scene.tree, &self.scene.cabins, &NOTHING, &NOTHING]),
+            None => {
+                let [tree, cabins] = self.scene.trees();
+                (&self.scene.placed, [tree, cabins, &NOTHING, &NOTHING])
+            }
             Some(Moment { placed, moving, moving_cabins, split, .. }) => {
                 (placed, [&split.still, &split.still_cabins, moving, moving_cabins])
             }
@@ -195,25 +197,33 @@ impl<'a> CpuScene<'a> {
     /// Puts the instances of a snapshot over meshes, which are at least those of its list.
     pub(crate) fn new(meshes: &'a Meshes, snapshot: &'a Snapshot) -> Self {
         let mut placed = Vec::with_capacity(snapshot.instances.len() + snapshot.cabins.len());
-        let [tree, cabins] = [&snapshot.instances, &snapshot.cabins].map(|instances| {
-            let (mut numbers, mut boxes) = (Vec::with_capacity(instances.len()), Vec::new());
-            boxes.reserve_exact(instances.len());
-            for instance in instances {
-                let mut there = place(meshes, instance);
-                if let Some(there) = &mut there
-                    && !there.mesh.panes.is_empty()
-                {
-                    there.has_cabin = snapshot.has_cabin(instance.object);
-                }
-                if let Some(there) = &there {
-                    boxes.push(around(there, &instance.local_from_object));
-                    numbers.push(placed.len() as u32);
-                }
-                placed.push(there);
+        for instance in snapshot.instances.iter().chain(&snapshot.cabins) {
+            let mut there = place(meshes, instance);
+            if let Some(there) = &mut there
+                && !there.mesh.panes.is_empty()
+            {
+                there.has_cabin = snapshot.has_cabin(instance.object);
             }
-            tree_over(&numbers, &boxes)
-        });
-        Self { snapshot, placed, tree, cabins, split: OnceLock::new() }
+            placed.push(there);
+        }
+        Self { snapshot, placed, trees: OnceLock::new(), split: OnceLock::new() }
+    }
+
+    fn trees(&self) -> &[Bvh; 2] {
+        self.trees.get_or_init(|| {
+            let mut number = 0;
+            [&self.snapshot.instances, &self.snapshot.cabins].map(|instances| {
+                let (mut numbers, mut boxes) = (Vec::with_capacity(instances.len()), Vec::new());
+                for instance in instances {
+                    if let Some(there) = &self.placed[number as usize] {
+                        boxes.push(around(there, &instance.local_from_object));
+                        numbers.push(number);
+                    }
+                    number += 1;
+                }
+                tree_over(&numbers, &boxes)
+            })
+        })
     }
 
     /// What a camera may see, tile by tile.

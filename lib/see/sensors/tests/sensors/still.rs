@@ -41,7 +41,7 @@ impl Street {
 }
 
 impl StillWorld for Street {
-    fn around(&self, centre_world_m: [f64; 3], _nearer_m: f64) -> Snapshot {
+    fn around(&self, centre_world_m: [f64; 3], _nearer_m: f64, _detail_m: f64) -> Snapshot {
         let mut all = self.seen_from(centre_world_m);
         all.instances.retain(|i| !i.object.is_multiple_of(3) && self.tells != Tells::NothingStands);
         all

@@ -49,21 +49,23 @@ pub(super) struct Size {
     steps: f32,
     /// Whether the light shines through panes.
     through_panes: bool,
+    /// Static objects are as detailed as they are at this distance, metres: leaves are some texels wide.
+    detail_m: f64,
 }
 
 /// Fine near by, coarse far away. A light's direction is rounded so that shadows of what is ten metres high
 /// move by less than half of a map's soft edge.
 pub(super) const MAPS: [Size; 3] = [
-    Size { half_m: 12.0, side: 768, cell: 256, steps: 256.0, through_panes: true },
-    Size { half_m: 45.0, side: 1024, cell: 384, steps: 256.0, through_panes: true },
-    Size { half_m: 160.0, side: 768, cell: 192, steps: 64.0, through_panes: true },
+    Size { half_m: 12.0, side: 768, cell: 256, steps: 256.0, through_panes: true, detail_m: 25.0 },
+    Size { half_m: 45.0, side: 1024, cell: 384, steps: 256.0, through_panes: true, detail_m: 60.0 },
+    Size { half_m: 160.0, side: 768, cell: 192, steps: 64.0, through_panes: true, detail_m: 160.0 },
 ];
 /// The map from above.
 pub(super) const ABOVE: Size =
-    Size { half_m: 56.0, side: 448, cell: 192, steps: 256.0, through_panes: false };
+    Size { half_m: 56.0, side: 448, cell: 192, steps: 256.0, through_panes: false, detail_m: 160.0 };
 /// The map of houses from above.
 pub(super) const HOUSES: Size =
-    Size { half_m: 128.0, side: 256, cell: 64, steps: 256.0, through_panes: false };
+    Size { half_m: 128.0, side: 256, cell: 64, steps: 256.0, through_panes: false, detail_m: 160.0 };
 /// No lens stands farther from the place that it is for, metres.
 pub(super) const ASIDE_M: f64 = 66.0;
 
@@ -110,6 +112,8 @@ pub(super) struct Lens {
     pub(super) centre_m: DVec3,
     /// Whether the light shines through panes.
     through_panes: bool,
+    /// As [`Size::detail_m`].
+    pub(super) detail_m: f64,
 }
 
 /// A square of a lens's texels: the first column and row (whole blocks), and texels a side.
@@ -148,8 +152,9 @@ impl Lens {
             side: size.side,
             cell: [cell[0], cell[1], along as i64],
         };
-        let (side, through_panes) = (size.whole_side(), size.through_panes);
-        let lens = Self { key, right, down, forward, texel_m, side, centre_m, through_panes };
+        let Size { through_panes, detail_m, .. } = *size;
+        let side = size.whole_side();
+        let lens = Self { key, right, down, forward, texel_m, side, centre_m, through_panes, detail_m };
         (lens, Window { corner, side: size.side })
     }
 

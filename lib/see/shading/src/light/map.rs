@@ -46,14 +46,14 @@ pub(super) struct Map {
 }
 
 impl Map {
-    /// The map of a window of a lens, in the local frame of its camera: static objects as `still` has them,
-    /// if there is such, and what else the light sees through the camera.
+    /// The map of a window of a lens, in the local frame of its camera: static objects as `still` has them
+    /// from a column and row on, if there is such, and what else the light sees through the camera.
     pub(super) fn new(
         lens: &Lens,
         window: Window,
         camera: &PinholeCamera,
         seen_m: Vec<f32>,
-        still: Option<&Still>,
+        still: Option<(&Still, [u32; 2])>,
     ) -> Self {
         let Lens { right, down, forward, texel_m, .. } = *lens;
         let mut map = Self {
@@ -68,13 +68,13 @@ impl Map {
             depth_m: Vec::new(),
             blocks: Vec::new(),
         };
-        let Some(still) = still else {
+        let Some((still, corner)) = still else {
             map.depth_m = seen_m;
             map.blocks = map.sum_up();
             return map;
         };
         let (side, per_side) = (map.side, map.side.div_ceil(BLOCK));
-        let [column, row] = window.corner.map(|c| c as usize);
+        let [column, row] = corner.map(|c| c as usize);
         map.depth_m.reserve_exact(side * side);
         // Blocks in whose reach something moves.
         let mut touched = vec![false; per_side * per_side];

@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use render::{PinholeCamera, RenderError, Scene};
 use simd::{F32x8, LANES, Vec3x8, floor_words, lerp};
 
-use super::lens::{ABOVE, BLOCK, Lens, MAPS, depths};
-use super::map::{AROUND, Lit, Map};
+use super::lens::{ABOVE, BLOCK, Lens, MAPS, Window, depths};
+use super::map::{AROUND, Lit, Map, Still};
 use super::still::StillMaps;
 
 /// Lowest light that casts shadows: the sine of 2 degrees.
@@ -53,24 +53,25 @@ pub(crate) fn shadows_at(
             (Lens::at(place_m, to_light, size), is_steady)
         }));
     }
-    let kept: Vec<Lens> = lenses.iter().filter(|(_, kept)| *kept).map(|((lens, _), _)| *lens).collect();
-    let (standing, moving) = match still {
-        Some(still) => (still.of(&kept)?, still.moving(scene.snapshot())),
-        None => (Vec::new(), Vec::new()),
+    // How far, in texels of the next finer map, something has to be within that for this one to do without it;
+    // the first map is the one from above.
+    let inner_px = |i: usize| {
+        let (lens, finer) = (&lenses[i].0.0, &lenses[i.checked_sub(1)?].0.0);
+        (i > 1).then(|| (AROUND as f32 * lens.texel_m + ASLANT_M) / finer.texel_m)
     };
-    let all: Vec<u32> = (0..scene.snapshot().instances.len() as u32).collect();
+    let standing = match still {
+        Some(still) => standing(still, &lenses, inner_px)?,
+        None => Vec::new(),
+    };
+    let casters: Vec<u32> = match still {
+        Some(still) => still.moving(scene.snapshot()),
+        None => (0..scene.snapshot().instances.len() as u32).collect(),
+    };
     let cameras: Vec<PinholeCamera> =
         lenses.iter().map(|((lens, window), _)| lens.camera(&origin, *window)).collect();
-    let casters = |i: usize| {
-        // Those that are kept come first.
-        let casters = if i < standing.len() { &moving } else { &all };
-        // The first map is the one from above.
-        if i < 2 {
-            return Cow::Borrowed(&casters[..]);
-        }
-        let (lens, finer) = (&lenses[i].0.0, &lenses[i - 1].0.0);
-        let inner_px = (AROUND as f32 * lens.texel_m + ASLANT_M) / finer.texel_m;
-        Cow::Owned(scene.beyond(&cameras[i - 1], inner_px, casters))
+    let casters = |i: usize| match inner_px(i) {
+        None => Cow::Borrowed(&casters[..]),
+        Some(inner_px) => Cow::Owned(scene.beyond(&cameras[i - 1], inner_px, &casters)),
     };
     let casters: Vec<Cow<'_, [u32]>> = (0..lenses.len()).into_par_iter().map(casters).collect();
     let asked = lenses.iter().zip(&cameras).zip(&casters);
@@ -78,12 +79,33 @@ pub(crate) fn shadows_at(
     let seen = depths(scene, asked)?;
     let map = |(i, depth_m): (usize, Vec<f32>)| {
         let (lens, window) = &lenses[i].0;
-        Map::new(lens, *window, &cameras[i], depth_m, standing.get(i).map(Arc::as_ref))
+        Map::new(lens, *window, &cameras[i], depth_m, standing.get(i).map(|(still, at)| (&**still, *at)))
     };
     let mut maps: Vec<Map> = seen.into_par_iter().enumerate().map(map).collect();
     let above = maps.remove(0);
     let to_light = lenses.get(1).map_or(Vec3::Z, |((lens, _), _)| -lens.forward);
     Ok((Shadows { to_light, maps }, SkyOcclusionMap { map: above }))
+}
+
+/// What stands still in the maps of some lenses, each of which is kept or not, and from which column and row on
+/// it is that of the lens's window.
+fn standing(
+    still: &StillMaps<'_>,
+    lenses: &[((Lens, Window), bool)],
+    inner_px: impl Fn(usize) -> Option<f32> + Sync,
+) -> Result<Vec<(Arc<Still>, [u32; 2])>, RenderError> {
+    let kept: Vec<Lens> = lenses.iter().filter(|(_, kept)| *kept).map(|((lens, _), _)| *lens).collect();
+    let mut kept = still.of(&kept)?.into_iter();
+    let made = lenses.par_iter().enumerate().map(|(i, ((lens, window), is_kept))| {
+        let finer = inner_px(i).map(|inner_px| (&lenses[i - 1].0.0, lenses[i - 1].0.1, inner_px));
+        (!is_kept).then(|| still.once((lens, *window), finer)).transpose()
+    });
+    let made: Vec<Option<Still>> = made.collect::<Result<_, _>>()?;
+    let of = |(made, ((_, window), _)): (Option<Still>, &((Lens, Window), bool))| match made {
+        Some(map) => Some((Arc::new(map), [0, 0])),
+        None => Some((kept.next()?, window.corner)),
+    };
+    Ok(made.into_iter().zip(lenses).filter_map(of).collect())
 }
 
 /// Shadows of the sun or moon around a place.
@@ -155,12 +177,13 @@ pub(crate) struct SkyOcclusionMap {
 }
 
 impl SkyOcclusionMap {
-    /// Share of the light of the sky that reaches places of one surface, 0 to 1; 1 beyond the map.
+    /// Share of the light of the sky that reaches places of surfaces that look along the normals, 0 to 1; 1
+    /// beyond the map.
     #[inline]
-    pub(crate) fn open(&self, positions: &Vec3x8, normal: Vec3) -> F32x8 {
+    pub(crate) fn open(&self, positions: &Vec3x8, normals: &Vec3x8) -> F32x8 {
         let map = &self.map;
         // Looked at from a little off the surface: a wall is not under its own roof.
-        let q = map.project(*positions + Vec3x8::splat(normal * (1.5 * SPREAD_M)));
+        let q = map.project(*positions + *normals * F32x8::splat(1.5 * SPREAD_M));
         let spread = SPREAD_M / map.texel_m;
         let here = map.holds(&q, spread);
         if here.none() {
@@ -341,7 +364,7 @@ mod tests {
     struct BareGround;
 
     impl StillWorld for BareGround {
-        fn around(&self, centre_world_m: [f64; 3], _: f64) -> Snapshot {
+        fn around(&self, centre_world_m: [f64; 3], _: f64, _: f64) -> Snapshot {
             let mut ground = scene_of(centre_world_m);
             ground.instances.truncate(1);
             ground
@@ -392,7 +415,7 @@ mod tests {
     #[test]
     fn it_is_dark_under_a_low_roof_only() {
         with_shadows(&scene_of([0.0; 3]), Vec3::Z, |_, _, overhead| {
-            let open = |p: Vec3| overhead.open(&Vec3x8::splat(p), Vec3::Z).to_array()[6];
+            let open = |p: Vec3| overhead.open(&Vec3x8::splat(p), &Vec3x8::splat(Vec3::Z)).to_array()[6];
             assert!(open(Vec3::new(3.0, 2.0, 0.0)) < 0.4);
             assert_eq!(open(Vec3::new(-8.0, 0.0, 0.0)), 1.0);
             assert_eq!(open(Vec3::new(3.0, 2.0, 1.5)), 1.0);

@@ -7,7 +7,7 @@ use render::{RenderError, Renderer};
 use schema::ObjectId;
 use schema::geometry::Snapshot;
 
-use super::lens::{ASIDE_M, Lens, LensKey, depths};
+use super::lens::{ASIDE_M, Lens, LensKey, Window, depths};
 use super::map::{Map, Still};
 use super::walls::Walls;
 
@@ -19,8 +19,9 @@ const MOST_WALLS: usize = 24;
 /// What never moves in a scene.
 pub trait StillWorld: Send + Sync {
     /// Static objects within a distance of a place: as far as a scene's snapshots reach around an agent,
-    /// less `nearer_m`. The answer follows from the place alone.
-    fn around(&self, centre_world_m: [f64; 3], nearer_m: f64) -> Snapshot;
+    /// less `nearer_m`; all as detailed as they are at `detail_m` from an agent. The answer follows from these
+    /// numbers alone.
+    fn around(&self, centre_world_m: [f64; 3], nearer_m: f64, detail_m: f64) -> Snapshot;
 
     /// Whether an object of a snapshot may move.
     fn moves(&self, object: ObjectId) -> bool;
@@ -122,8 +123,29 @@ impl<'a> StillMaps<'a> {
         free.or(elsewhere)
     }
 
+    /// The map of a window of a lens, which nobody will ask for again; of what lies wholly in a finer one only
+    /// what reaches out of that by so many of its texels.
+    ///
+    /// # Errors
+    /// The renderer failed.
+    pub(super) fn once(
+        &self,
+        (lens, window): (&Lens, Window),
+        finer: Option<(&Lens, Window, f32)>,
+    ) -> Result<Still, RenderError> {
+        let snapshot = self.world.around(lens.centre_m.to_array(), ASIDE_M, lens.detail_m);
+        let camera = lens.camera(&snapshot.origin, window);
+        let scene = self.renderer.place(&snapshot)?;
+        let some = finer.map(|(finer, window, inner_px)| {
+            let all: Vec<u32> = (0..snapshot.instances.len() as u32).collect();
+            scene.beyond(&finer.camera(&snapshot.origin, window), inner_px, &all)
+        });
+        let depth_m = depths(&*scene, [(&camera, some.as_deref(), lens.panes())])?.pop().unwrap_or_default();
+        Ok(Map::new(lens, window, &camera, depth_m, None).into_still())
+    }
+
     fn make(&self, lens: &Lens) -> Result<Still, RenderError> {
-        let snapshot = self.world.around(lens.centre_m.to_array(), ASIDE_M);
+        let snapshot = self.world.around(lens.centre_m.to_array(), ASIDE_M, lens.detail_m);
         let camera = lens.camera(&snapshot.origin, lens.whole());
         let scene = self.renderer.place(&snapshot)?;
         let depth_m = depths(&*scene, [(&camera, None, lens.panes())])?.pop().unwrap_or_default();
@@ -140,7 +162,7 @@ impl<'a> StillMaps<'a> {
             return Ok(known);
         }
         // Computed outside the lock: two threads may compute the same maps, with equal results.
-        let snapshot = self.world.around(lens.centre_m.to_array(), ASIDE_M);
+        let snapshot = self.world.around(lens.centre_m.to_array(), ASIDE_M, lens.detail_m);
         let made = Arc::new(Walls::new(&*self.renderer.place(&snapshot)?, lens)?);
         if let Ok(mut walls) = self.walls.lock() {
             if walls.len() >= MOST_WALLS {

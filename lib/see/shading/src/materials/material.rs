@@ -12,6 +12,7 @@ use simd::{F32x8, Vec3x8};
 use super::cloth::clothes;
 use super::dirt;
 use super::facade::facade;
+use super::foliage::foliage;
 use super::ground;
 use super::pattern::{Width, bars};
 use super::paving;
@@ -21,8 +22,8 @@ use super::uv_surface::UvSurface;
 /// What patterns are made of.
 #[derive(Clone, Copy)]
 pub(crate) struct PatternSet {
-    noise: &'static Noise,
-    textures: &'static Textures,
+    pub(super) noise: &'static Noise,
+    pub(super) textures: &'static Textures,
 }
 
 impl PatternSet {
@@ -30,6 +31,9 @@ impl PatternSet {
         Self { noise: Noise::get(), textures: Textures::get() }
     }
 }
+
+/// Film value of lenses that shine white: brighter than any paint, whatever the exposure.
+const WHITE_LENS: f32 = 6.0;
 
 /// The look of eight points.
 #[inline]
@@ -70,7 +74,7 @@ pub(crate) fn sample(
         Surface::Grass => ground::grass(both, rgb, p),
         Surface::Gravel => upright(&textures.gravel, facet, rgb, p),
         Surface::RoofTiles => upright(&textures.roof, facet, rgb, p),
-        Surface::Foliage => foliage(both, facet, rgb, p),
+        Surface::Foliage => foliage(patterns, &Vec3x8::splat(facet.normal_object), &Vec3x8::splat(rgb), p),
         Surface::Wood if facet.part.tag == Tag::Vegetation => upright(&textures.bark, facet, rgb, p),
         Surface::Wood => {
             let o = &p.object_m;
@@ -85,7 +89,9 @@ pub(crate) fn sample(
         Surface::Lamp(bits) => {
             if facet.lights & bits != 0 {
                 let has_glow = bits == lights::STREET_LAMP || bits == lights::WORK_LAMP;
-                let emission = if has_glow { rgb * facet.glow * 1.6 } else { rgb * 1.6 };
+                let is_white = has_glow || bits & (lights::LOW_BEAM | lights::HIGH_BEAM) != 0;
+                let emission = if has_glow { rgb * facet.glow } else { rgb };
+                let emission = emission * if is_white { WHITE_LENS } else { 1.6 };
                 BrdfSample {
                     emission: Some(Vec3x8::splat(emission)),
                     ..BrdfSample::dull(Vec3x8::splat(rgb * 0.3))
@@ -183,27 +189,4 @@ fn cast(
         shade *= 1.0 - bars(x, 0.012, Width::new(p.footprint_m)) * 0.5;
     }
     BrdfSample::leaning(shades(rgb, shade), seen.lean)
-}
-
-#[inline]
-fn foliage(
-    (noise, textures): (&Noise, &Textures),
-    facet: &ShadedTriangle<'_>,
-    rgb: Vec3,
-    p: &Points,
-) -> BrdfSample {
-    let (o, w) = (&p.object_m, p.footprint_m);
-    // Seen along the axis that the facet faces most: leaves hide where that changes.
-    let n = facet.normal_object.abs();
-    let (x, y) = if n.z >= n.x.max(n.y) {
-        (o.x, o.y)
-    } else if n.x > n.y {
-        (o.y, o.z)
-    } else {
-        (o.x, o.z)
-    };
-    let leaves = textures.leaves.at(x, y, w);
-    let clump = noise.at_all((o.x - o.z * 0.47) * 9.0, (o.y - o.z * 0.71) * 9.0, w * 9.0);
-    let yellow = Vec3x8::new(leaves.tint * 0.7 + 1.0, leaves.tint * 0.25 + 1.0, F32x8::ONE);
-    BrdfSample::leaning(shades(rgb, leaves.shade * (clump * 0.7 + 0.35)) * yellow, leaves.lean)
 }

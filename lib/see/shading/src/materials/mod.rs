@@ -4,6 +4,7 @@ mod cells;
 mod cloth;
 mod dirt;
 mod facade;
+mod foliage;
 mod front;
 mod ground;
 mod gutter;
@@ -17,6 +18,7 @@ mod room;
 mod shaded_triangle;
 mod uv_surface;
 
+pub(crate) use foliage::{foliage, is_leaf};
 pub(crate) use ground::gets_wet;
 pub(crate) use material::{PatternSet, sample};
 pub(crate) use shaded_triangle::{Points, ShadedTriangle, Specular, Surroundings};

@@ -123,11 +123,6 @@ impl<'a> ShadedTriangle<'a> {
         }
     }
 
-    /// Whether it stands for leaves.
-    pub(crate) fn is_leaf(&self) -> bool {
-        self.part.surface == Surface::Foliage
-    }
-
     /// Whether it sends light back to where it came from.
     pub(crate) fn is_sheeting(&self) -> bool {
         self.part.surface == Surface::Reflector

@@ -6,6 +6,7 @@ mod compose;
 mod defocus;
 mod drops;
 mod film;
+mod leaves;
 mod mirror;
 mod noise;
 #[expect(clippy::module_inception, reason = "the type that the others work on")]

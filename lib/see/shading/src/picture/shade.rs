@@ -7,10 +7,11 @@ use simd::{F32x8, LANES, STEPS, Vec3x8, exp_neg, smoothstep};
 
 use super::bloom::gather;
 use super::film::Film;
+use super::leaves::{LeafPixels, WholeRow};
 use super::mirror::{Mirror, WetSpan};
 use super::vignette::Vignette;
 use crate::light::{CornerGradient, Facing, Lighting, Lit};
-use crate::materials::{PatternSet, Points, ShadedTriangle, Specular, gets_wet, sample};
+use crate::materials::{PatternSet, Points, ShadedTriangle, Specular, gets_wet, is_leaf, sample};
 use render::CameraView;
 use render::panes::{PASSES, PaneRays, Panes, TransmittedHit};
 
@@ -121,12 +122,8 @@ impl Span<'_> {
 /// What is the same for a triangle.
 struct Run<'a> {
     facet: ShadedTriangle<'a>,
-    /// Normal for lamps: that of the triangle, bent upwards for leaves, which stand every way.
-    normal: Vec3,
     /// How the normal runs where the triangle stands for a curved surface.
     bend: Option<Bend>,
-    /// From which side shadows are looked up, times the distance in texels.
-    outward: Vec3,
     /// Whether any of it is turned to the sun.
     is_lit: bool,
     /// The light on its plane.
@@ -202,14 +199,6 @@ const ALIKE: f32 = 0.06;
 /// panes are all around.
 const OPEN_IN_CABINS: f32 = 0.55;
 
-/// How far leaves' normals are bent upwards.
-const LEAF_LEAN: f32 = 0.6;
-
-/// A leaf's normal for the light.
-fn leaning(normal: Vec3) -> Vec3 {
-    (normal + Vec3::Z * LEAF_LEAN).normalize_or(normal)
-}
-
 pub(super) struct Shader<'a> {
     pub(super) buffer: &'a VisibilityBuffer,
     pub(super) lighting: &'a Lighting,
@@ -271,7 +260,13 @@ impl<'a> Shader<'a> {
         let is_wet = self.lighting.around.are_wet();
         let mut wet = Vec::new();
         let mut behind = behind.row(y);
+        let mut leaves = LeafPixels::default();
         surfaces.for_each_span(y, |columns, triangle| {
+            if let Some(triangle) = triangle.filter(|t| is_leaf(t.part)) {
+                let row = &mut WholeRow { y, pixels: &mut *pixels, bright: &mut *bright };
+                self.take_leaf(&mut leaves, triangle, columns, row);
+                return;
+            }
             let pixels = &mut pixels[columns.start as usize..columns.end as usize];
             let span = Span { first: columns.start, y, pixels, bright };
             let is_pane =
@@ -290,6 +285,7 @@ impl<'a> Shader<'a> {
                 None => self.paint_sky(span),
             }
         });
+        self.paint_leaves(&mut leaves, &mut WholeRow { y, pixels, bright });
         wet
     }
 
@@ -371,6 +367,9 @@ impl<'a> Shader<'a> {
             }
             let value = match surfaces.facet(instance, triangle) {
                 None => self.sky(columns, y, passes),
+                Some(leaf) if is_leaf(leaf.part) => {
+                    self.leaf_behind(&leaf, &leaf.points(self.buffer, columns, y), passes)
+                }
                 Some(facet) => {
                     let run = self.begin(&facet);
                     let there = facet.points(self.buffer, columns, y);
@@ -441,8 +440,8 @@ impl<'a> Shader<'a> {
             Vec3x8::default()
         } else {
             let normals = match &run.bend {
-                Some(bend) if !run.facet.is_leaf() => bend.normals(points.position_object),
-                _ => Vec3x8::splat(run.normal),
+                Some(bend) => bend.normals(points.position_object),
+                None => Vec3x8::splat(normal),
             };
             let klx = if run.facet.is_sheeting() {
                 light.lamps.returned(positions, &normals, self.camera)
@@ -453,7 +452,7 @@ impl<'a> Shader<'a> {
         };
         let light = Light {
             sunlit: sun.share,
-            open: light.overhead.open(positions, normal),
+            open: light.overhead.open(positions, &Vec3x8::splat(normal)),
             between_houses: match spread {
                 Spread::Near => F32x8::splat(light.walls.open(positions.lane(0), &run.facing)),
                 Spread::Far => light.walls.open_all(positions, &run.facing),
@@ -469,7 +468,7 @@ impl<'a> Shader<'a> {
 
     #[inline]
     fn sun(&self, run: &Run<'_>, positions: &Vec3x8) -> Lit {
-        if run.is_lit { self.lighting.shadows.lit(positions, run.outward) } else { Lit::none() }
+        if run.is_lit { self.lighting.shadows.lit(positions, run.facet.normal_local) } else { Lit::none() }
     }
 
     /// The light at eight pixels between two neighbouring knots that are so many pixels apart.
@@ -505,7 +504,7 @@ impl<'a> Shader<'a> {
             open: if (open.0 - open.1).abs() < ALIKE {
                 mix(light.open)
             } else {
-                self.lighting.overhead.open(&here.position_local, run.facet.normal_local)
+                self.lighting.overhead.open(&here.position_local, &Vec3x8::splat(run.facet.normal_local))
             },
             between_houses: mix(light.between_houses),
             lamps,
@@ -533,7 +532,7 @@ impl<'a> Shader<'a> {
         let sample = sample(self.patterns, around, &run.facet, &points);
         let bent = run.bend.as_ref().map(|bend| bend.normals(here.position_object));
         let Turned { mut facing, mut ambient } = match &bent {
-            Some(normals) => self.turned(run.facet.is_leaf(), normals),
+            Some(normals) => self.turned(normals),
             None => run.turned,
         };
         if let Some([a, b]) = sample.lean {
@@ -545,10 +544,7 @@ impl<'a> Shader<'a> {
         if let Some(shelter) = &run.shelter {
             light.open *= shelter.at(&here.position_object);
         }
-        let walls = 1.0 - light.between_houses;
-        let left = |wall: f32| walls * (wall - 1.0) + 1.0;
-        ambient =
-            ambient * Vec3x8::new(left(WALLS.x), left(WALLS.y), left(WALLS.z)) + Vec3x8::splat(self.bounced);
+        let ambient = self.between_houses(ambient, light.between_houses);
         let received = Vec3x8::splat(self.key) * (facing * light.sunlit) + ambient * light.open + light.lamps;
         let mut out = behind.unwrap_or(sample.albedo * received);
         if let Some(emission) = sample.emission {
@@ -574,6 +570,14 @@ impl<'a> Shader<'a> {
         Vec3x8::splat(self.veil).lerp(out, light.passes)
     }
 
+    /// The light of sky and ground where houses leave such a share of the sky.
+    #[inline]
+    pub(super) fn between_houses(&self, ambient: Vec3x8, left: F32x8) -> Vec3x8 {
+        let walls = 1.0 - left;
+        let left = |wall: f32| walls * (wall - 1.0) + 1.0;
+        ambient * Vec3x8::new(left(WALLS.x), left(WALLS.y), left(WALLS.z)) + Vec3x8::splat(self.bounced)
+    }
+
     fn begin<'p>(&self, triangle: &SurfaceTriangle<'_, 'p>) -> Run<'p> {
         let n = triangle.normal_local;
         let to_key = self.lighting.sky.key_direction;
@@ -583,24 +587,10 @@ impl<'a> Shader<'a> {
         let shelter = triangle.open().map(|open| CornerGradient::new(triangle.corners_object_m(), open));
         let towards = Facing::new(n);
         let bend = triangle.bend();
-        let turned = self.turned(facet.is_leaf(), &Vec3x8::splat(n));
-        if facet.is_leaf() {
-            return Run {
-                facet,
-                normal: leaning(n),
-                bend,
-                outward: to_key * 4.0,
-                is_lit: true,
-                turned,
-                relief,
-                shelter,
-                facing: towards,
-                gets_wet,
-            };
-        }
+        let turned = self.turned(&Vec3x8::splat(n));
         let corners = bend.as_ref().map_or([n; 3], Bend::corner_normals);
         let is_lit = corners.iter().any(|normal| normal.dot(to_key) > 0.0);
-        Run { facet, normal: n, bend, outward: n, is_lit, turned, relief, shelter, facing: towards, gets_wet }
+        Run { facet, bend, is_lit, turned, relief, shelter, facing: towards, gets_wet }
     }
 
     fn relief(&self, facet: &ShadedTriangle<'_>) -> Relief {
@@ -613,22 +603,15 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The light on surfaces that are turned as their normals say. Leaves let light through, and those turned
-    /// away are looked at on their lit side.
+    /// The light on surfaces that are turned as their normals say.
     #[inline]
-    fn turned(&self, is_leaf: bool, normals: &Vec3x8) -> Turned {
+    fn turned(&self, normals: &Vec3x8) -> Turned {
         let [a, x, y, z] = self.ambient;
         let ambient =
             |i: usize| (normals.x * x[i] + normals.y * y[i] + normals.z * z[i] + a[i]).fast_max(F32x8::ZERO);
         let ambient = Vec3x8::new(ambient(0), ambient(1), ambient(2));
         let to_key = Vec3x8::splat(self.lighting.sky.key_direction);
-        if !is_leaf {
-            return Turned { facing: normals.dot(to_key).fast_max(F32x8::ZERO), ambient };
-        }
-        let upward = *normals + Vec3x8::splat(Vec3::Z * LEAF_LEAN);
-        let side = (upward * (1.0 / upward.length_squared().sqrt())).dot(to_key);
-        let facing = side.fast_max(F32x8::ZERO) * 0.55 + (side * 0.5 + 0.5) * 0.15 + 0.2;
-        Turned { facing, ambient: ambient * F32x8::splat(0.8) }
+        Turned { facing: normals.dot(to_key).fast_max(F32x8::ZERO), ambient }
     }
 
     /// Adds what a glossy surface mirrors: the sky, or what else is known to be `around` it, and a highlight

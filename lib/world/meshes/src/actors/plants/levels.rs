@@ -8,9 +8,9 @@ use schema::geometry::TriMesh;
 use crate::actors::pieces::{ActorMesh, Coarser, Joint, Piece};
 
 /// Levels of a tree.
-pub(super) const LEVELS: usize = 4;
+pub(super) const LEVELS: usize = 5;
 /// From where on the coarser ones of them are there, metres.
-pub(super) const FROM_M: [f64; LEVELS - 1] = [20.0, 50.0, 130.0];
+pub(super) const FROM_M: [f64; LEVELS - 1] = [20.0, 50.0, 90.0, 150.0];
 
 /// An actor of some levels, the finest first, all of them stretched as that one is, so that it fills its box.
 /// The middle stays where it is: there its foot stands.

@@ -13,7 +13,7 @@ use crate::solids::{MeshBuilder, circle};
 const BARK: MeshPart = MeshPart::new(Tag::Vegetation, Surface::Wood, [0.2, 0.16, 0.12]);
 const GREEN: MeshPart = MeshPart::new(Tag::Vegetation, Surface::Foliage, [0.09, 0.16, 0.04]);
 /// Fronds, pieces of each and leaflets on each side of it, by level.
-const FRONDS: [[usize; 3]; LEVELS] = [[30, 5, 16], [26, 4, 8], [20, 3, 4], [12, 2, 2]];
+const FRONDS: [[usize; 3]; LEVELS] = [[30, 5, 16], [26, 4, 8], [20, 3, 4], [16, 2, 3], [12, 2, 2]];
 
 /// Adds a leaflet or a part of a blade, lit as it lies.
 fn add_blade(mesh: &mut TriMesh, part: u8, [a, b, c]: [Vec3; 3]) {
@@ -28,7 +28,7 @@ pub(super) fn palm(size: Vec3, variant: u32) -> ActorMesh {
     let foot = 0.012 * size.z + 0.05;
     let meshes = FRONDS.iter().enumerate().map(|(level, &[fronds, pieces, leaflets])| {
         let mut b = MeshBuilder::new();
-        b.bar(BARK, Vec3::ZERO, crown, [1.15 * foot, 0.8 * foot], [9, 7, 5, 4][level]);
+        b.bar(BARK, Vec3::ZERO, crown, [1.15 * foot, 0.8 * foot], [9, 7, 5, 4, 4][level]);
         let mut mesh = b.finish();
         prepare(&mut mesh, |_| 0.9);
         let part = mesh.part_index(GREEN);

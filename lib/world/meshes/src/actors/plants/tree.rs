@@ -16,9 +16,9 @@ use super::wood::{Stem, Wood};
 use crate::actors::ActorMesh;
 
 /// The most twigs with leaves that a tree has at each level; farther away each stands for several.
-const MOST: [f32; LEVELS] = [5000.0, 1900.0, 550.0, 100.0];
+const MOST: [f32; LEVELS] = [5000.0, 1900.0, 550.0, 240.0, 90.0];
 /// Sides of squares of leaves at each level, as multiples.
-const LARGER: [f32; LEVELS] = [0.85, 1.4, 2.2, 4.2];
+const LARGER: [f32; LEVELS] = [0.85, 1.4, 2.2, 3.0, 4.4];
 /// How far apart the two leaves of a twig are, as a share of their side.
 const APART: f32 = 1.35;
 /// How much longer than wide leaves are at most at the last level.
@@ -118,7 +118,7 @@ impl Foliage {
         // They reach no farther out.
         let inward = 1.0 - (0.2 * (side_m - self.side_m) / crown.half_m.x).min(0.2);
         // The largest stand for a whole piece of the crown.
-        let longer = if level < 3 { kind.longer } else { kind.longer.min(LONGEST_FAR) };
+        let longer = if level + 1 < LEVELS { kind.longer } else { kind.longer.min(LONGEST_FAR) };
         reserve(mesh, count);
         for j in 0..count.min(all) {
             let mut leaf = if level < 2 {

@@ -23,9 +23,9 @@ const BOUGHS_ABOVE_M: f32 = 2.2;
 /// The most sides of wood.
 const SIDES: usize = 9;
 /// Sides of the stem by level, and how many of its places are kept: every so many.
-const TRUNK: [[usize; 2]; LEVELS] = [[9, 1], [6, 2], [4, 4], [4, 8]];
+const TRUNK: [[usize; 2]; LEVELS] = [[9, 1], [6, 2], [4, 4], [4, 6], [4, 8]];
 /// Shoots of a bare tree by level, and how much thicker than close by they are.
-const SHOOTS: [(usize, f32); LEVELS] = [(1200, 1.0), (420, 1.8), (80, 4.0), (0, 0.0)];
+const SHOOTS: [(usize, f32); LEVELS] = [(1200, 1.0), (420, 1.8), (80, 4.0), (20, 6.0), (0, 0.0)];
 
 /// A stem, bough or twig: places along it with its radius there.
 #[derive(Clone, Debug)]
@@ -194,13 +194,13 @@ impl Wood {
             carver.stem(
                 bough,
                 young,
-                [[5, 3, 3, 3][level], [1, 2, 2, 2][level]],
-                [1.0, 1.1, 1.3, 1.6][level],
+                [[5, 3, 3, 3, 3][level], [1, 2, 2, 2, 2][level]],
+                [1.0, 1.1, 1.3, 1.4, 1.6][level],
             );
         }
-        let twigs = || self.twigs.iter().step_by([1, 1, 2, 5][level]);
+        let twigs = || self.twigs.iter().step_by([1, 1, 2, 3, 5][level]);
         for twig in twigs() {
-            carver.stem(twig, young, [3, [1, 2, 2, 2][level]], [1.25, 1.7, 2.5, 3.5][level]);
+            carver.stem(twig, young, [3, [1, 2, 2, 2, 2][level]], [1.25, 1.7, 2.5, 3.0, 3.5][level]);
         }
         let (count, thicker) = SHOOTS[level];
         let mut draws = Draws::new(variant, 60);
