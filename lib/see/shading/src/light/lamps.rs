@@ -43,7 +43,7 @@ const MOST_SHADED: usize = 8;
 
 /// How a lamp spreads its light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Beam {
+pub(super) enum Beam {
     /// Downwards, widely.
     Street,
     /// Ahead, widely: a floodlight.
@@ -64,17 +64,19 @@ impl Beam {
 
 /// One lamp that burns.
 #[derive(Clone, Debug)]
-struct Lamp {
+pub(super) struct Lamp {
     object: ObjectId,
-    position: Vec3,
+    pub(super) position: Vec3,
     /// Where it points, and what is up for it.
-    direction: Vec3,
+    pub(super) direction: Vec3,
     up: Vec3,
-    beam: Beam,
+    pub(super) beam: Beam,
     /// Of headlights their colour, the greatest component 1; of others kilocandela (kilolux at a metre) where
     /// their beam's shape is 1.
-    rgb: Vec3,
+    pub(super) rgb: Vec3,
     radius_m: f32,
+    /// Which of an object's lamps it is.
+    pub(super) bits: u32,
     /// The obstacles that block its light.
     seen: Option<Arc<LampDepths>>,
 }
@@ -82,7 +84,7 @@ struct Lamp {
 /// The lamps around an agent, by the place they light.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lamps {
-    lamps: Vec<Lamp>,
+    pub(super) lamps: Vec<Lamp>,
     areas: [Area; 2],
 }
 
@@ -255,6 +257,24 @@ impl Lamp {
         rgb * headlight::most_kcd(self.beam == Beam::High, cos)
     }
 
+    /// The shape of its beam in directions (unit).
+    #[inline]
+    pub(super) fn spread(&self, towards: &Vec3x8) -> F32x8 {
+        let along = |axis: Vec3| towards.dot(Vec3x8::splat(axis));
+        match self.beam {
+            Beam::Street => street::intensity(along(self.direction)),
+            Beam::Flood => {
+                let ahead = along(self.direction).fast_max(F32x8::ZERO);
+                ahead * ahead
+            }
+            Beam::Low | Beam::High => {
+                let left = self.up.cross(self.direction);
+                headlight::intensity(self.beam == Beam::High, [self.direction, left, self.up].map(along))
+            }
+            Beam::Glow => F32x8::ONE,
+        }
+    }
+
     /// Adds its light on places of surfaces; on sheeting that sends it back, as it looks to an eye.
     #[inline]
     fn add_to(&self, sum: &mut Vec3x8, positions: &Vec3x8, normals: &Vec3x8, eye: Option<Vec3>) {
@@ -268,19 +288,7 @@ impl Lamp {
         }
         let r2 = r2.fast_max(F32x8::splat(0.04));
         let r = r2.sqrt();
-        let along = |axis: Vec3| to.dot(Vec3x8::splat(-axis)) / r;
-        let spread = match self.beam {
-            Beam::Street => street::intensity(along(self.direction)),
-            Beam::Flood => {
-                let ahead = along(self.direction).fast_max(F32x8::ZERO);
-                ahead * ahead
-            }
-            Beam::Low | Beam::High => {
-                let left = self.up.cross(self.direction);
-                headlight::intensity(self.beam == Beam::High, [self.direction, left, self.up].map(along))
-            }
-            Beam::Glow => F32x8::ONE,
-        };
+        let spread = self.spread(&(to * (-1.0 / r)));
         let spread = match &self.seen {
             Some(seen) => spread * seen.reaches(positions, normals),
             None => spread,
@@ -317,6 +325,8 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
             if on == 0 {
                 continue;
             }
+            // Small lamps look ahead or back, whichever end they are at.
+            let looks = pose.transform_vector3(Vec3::new(1.0f32.copysign(fitting.centre.x), 0.0, 0.0));
             let (beam, rgb, radius_m, direction) = if on & lights::STREET_LAMP != 0 {
                 // Kilocandela at the nominal flux.
                 let rgb = Vec3::from_array(instance.glow)
@@ -335,14 +345,14 @@ fn burning(snapshot: &Snapshot, centre: Vec3) -> Vec<Lamp> {
                 // Glows are faint.
                 continue;
             } else if on & lights::EMERGENCY != 0 {
-                (Beam::Glow, fitting.rgb * 0.12, 16.0, Vec3::Z)
+                (Beam::Glow, fitting.rgb * 0.12, 16.0, looks)
             } else {
-                (Beam::Glow, fitting.rgb * 0.012, 6.0, Vec3::Z)
+                (Beam::Glow, fitting.rgb * 0.008, 6.0, looks)
             };
             let position = pose.transform_point3(fitting.centre);
             let up = pose.transform_vector3(Vec3::Z);
             let object = instance.object;
-            lamps.push(Lamp { object, position, direction, up, beam, rgb, radius_m, seen: None });
+            lamps.push(Lamp { object, position, direction, up, beam, rgb, radius_m, bits: on, seen: None });
         }
     }
     lamps
@@ -394,7 +404,15 @@ fn warm(rgb: Vec3) -> Vec3 {
     rgb / rgb.max_element().max(1e-3)
 }
 
-/// The lamp parts of a mesh. Separate lamps of one part count as one between them; headlights left and right
+/// Lamps that have no left and right.
+const FIXED: u32 = lights::STREET_LAMP
+    | lights::WORK_LAMP
+    | lights::BUILDING
+    | lights::SIGNAL_RED
+    | lights::SIGNAL_YELLOW
+    | lights::SIGNAL_GREEN;
+
+/// The lamp parts of a mesh. Separate lamps of one part count as one between them; a vehicle's left and right
 /// are two.
 fn fittings_of(mesh: &TriMesh) -> Vec<Fitting> {
     let mut sums: BTreeMap<(u8, bool), (Vec3, f32)> = BTreeMap::new();
@@ -403,7 +421,7 @@ fn fittings_of(mesh: &TriMesh) -> Vec<Fitting> {
             let [a, b, c] = mesh.corners(triangle);
             let area = (b - a).cross(c - a).length();
             let middle = (a + b + c) / 3.0;
-            let on_right = bits & (lights::LOW_BEAM | lights::HIGH_BEAM) != 0 && middle.y < -0.1;
+            let on_right = bits & !FIXED != 0 && middle.y < -0.1;
             let sum = sums.entry((part, on_right)).or_insert((Vec3::ZERO, 0.0));
             sum.0 += middle * area;
             sum.1 += area;
@@ -412,7 +430,8 @@ fn fittings_of(mesh: &TriMesh) -> Vec<Fitting> {
     let fitting = |((part, _), (sum, area)): ((u8, bool), (Vec3, f32))| {
         let part = &mesh.parts[usize::from(part)];
         let Surface::Lamp(bits) = part.surface else { return None };
-        (area > 0.0).then(|| Fitting { centre: sum / area, bits, rgb: Vec3::from_array(part.rgb) })
+        let rgb = Vec3::from_array(part.rgb);
+        (area > 0.0).then(|| Fitting { centre: sum / area, bits, rgb })
     };
     sums.into_iter().filter_map(fitting).collect()
 }
@@ -433,6 +452,7 @@ mod tests {
             rgb: Vec3::ONE,
             radius_m: 30.0,
             object: 1,
+            bits: 0,
             seen: None,
         };
         Lamps::by_cells(vec![lamp], Vec3::ZERO)
@@ -476,6 +496,7 @@ mod tests {
                     rgb: Vec3::new(uniform(0.1, 9.0), uniform(0.1, 9.0), uniform(0.1, 9.0)),
                     radius_m: uniform(5.0, 60.0),
                     object: 1,
+                    bits: 0,
                     seen: None,
                 })
                 .collect();
@@ -580,6 +601,7 @@ mod tests {
             rgb: Vec3::ONE,
             radius_m: 1000.0,
             object: 1,
+            bits: 0,
             seen: None,
         };
         let wall = |beam, y: f32, z: f32| {

@@ -5,6 +5,7 @@
 
 mod atmosphere;
 mod corner_gradient;
+mod dazzle;
 mod environment_map;
 mod exposure;
 mod fog;
@@ -24,6 +25,7 @@ mod street;
 mod walls;
 
 pub(crate) use corner_gradient::CornerGradient;
+pub(crate) use dazzle::Shining;
 pub(crate) use environment_map::EnvironmentMap;
 pub use fog::fog_extinction_per_m;
 pub use lighting::{FrameWeather, Lighting};

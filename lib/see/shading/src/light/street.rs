@@ -14,6 +14,9 @@ const OUTPUT: f32 = 0.55;
 /// Candela by lumen where [`intensity`] is 1.
 pub(super) const CD_PER_LM: f32 = OUTPUT / SHAPE_SR;
 
+/// The greatest [`intensity`].
+pub(super) const MOST: f32 = 0.6125;
+
 /// Intensity by cosines of the angles from straight down, in [`CD_PER_LM`]: more to the sides than below, so
 /// that the road between two lamps is lit.
 #[inline]
@@ -35,6 +38,8 @@ mod tests {
             (0..RINGS).map(|k| f64::from(intensity(F32x8::splat(ring(k))).to_array()[0])).sum::<f64>();
         let shape_sr = sum * 4.0 * std::f64::consts::PI / RINGS as f64;
         assert!((shape_sr - f64::from(SHAPE_SR)).abs() < 1e-3, "{shape_sr}");
+        let most = (0..=RINGS).map(|k| intensity(F32x8::splat(k as f32 / RINGS as f32)).to_array()[0]);
+        assert!((most.fold(0.0, f32::max) - MOST).abs() < 1e-5);
         // Nothing goes up, or nearly level.
         for down in [-1.0f32, -0.3, 0.0, 0.16] {
             assert_eq!(intensity(F32x8::splat(down)).to_array()[0], 0.0, "{down}");

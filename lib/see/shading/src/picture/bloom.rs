@@ -15,6 +15,10 @@ const MOST_OVER: f32 = 60.0;
 /// Scattered light falls off in three steps: reach in blocks of a box that is laid over three times, and
 /// share.
 const SPREADS: [(usize, f32); 3] = [(1, 0.45), (4, 0.30), (14, 0.25)];
+/// What a lamp scatters close around it: half as wide as this share of the picture, and so many times as far at
+/// most.
+const CORE: f32 = 1.0 / 360.0;
+const CORES: f32 = 11.0;
 /// Less than this, as film value, is not seen.
 const LEAST: f32 = 0.001;
 
@@ -31,16 +35,70 @@ pub(super) fn gather(value: &Vec3x8, column: usize, pixels: usize, row: &mut [Ve
         return;
     }
     for i in 0..pixels.min(LANES) {
-        let over = (value.lane(i) - Vec3::splat(WHITE)).clamp(Vec3::ZERO, Vec3::splat(MOST_OVER));
-        row[(column + i) / BLOCK] += over;
+        gather_one(value.lane(i), column + i, row);
     }
 }
 
-/// Spreads a share of what was gathered (row by row of pixels) over a picture.
-pub(super) fn bloom(picture: &mut Picture, film: &Film, gathered: &[Vec3], share: f32) {
+/// The same of one pixel.
+#[inline]
+pub(super) fn gather_one(value: Vec3, column: usize, row: &mut [Vec3]) {
+    row[column / BLOCK] += (value - Vec3::splat(WHITE)).clamp(Vec3::ZERO, Vec3::splat(MOST_OVER));
+}
+
+/// A lamp that is smaller than a pixel, or not much larger.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Halo {
+    /// Where it is in the picture, pixels.
+    pub(super) x: f32,
+    pub(super) y: f32,
+    /// Film values of all its pixels together.
+    pub(super) film: Vec3,
+}
+
+impl Halo {
+    /// Adds the part of it that is closest around to a row of pixels. Round: a fall with the fourth power of
+    /// the distance, which ends softly.
+    fn add_core(&self, (y, row): (usize, &mut [Vec3]), share: f32) {
+        let core_px = (CORE * row.len() as f32).max(1.0);
+        let reach_px = CORES * core_px;
+        let off = y as f32 + 0.5 - self.y;
+        let across = reach_px * reach_px - off * off;
+        if across <= 0.0 {
+            return;
+        }
+        let half = across.sqrt();
+        let from = (self.x - half).max(0.0) as usize;
+        let end = ((self.x + half).max(0.0) as usize + 1).min(row.len());
+        let most = self.film * (share / (std::f32::consts::PI * core_px * core_px));
+        for (x, to) in (from..).zip(&mut row[from.min(end)..end]) {
+            let aside = x as f32 + 0.5 - self.x;
+            let r2 = aside * aside + off * off;
+            let fall = 1.0 / (1.0 + r2 / (core_px * core_px));
+            let left = (1.0 - r2 / (reach_px * reach_px)).max(0.0);
+            *to += most * (fall * fall * left * left);
+        }
+    }
+
+    /// Adds it to the four blocks around it.
+    fn add_to_blocks(&self, over: &mut [Vec3], [columns, rows]: [usize; 2]) {
+        let place = [(self.x, columns), (self.y, rows)].map(|(v, end)| {
+            let at = (v / BLOCK as f32 - 0.5).clamp(0.0, (end - 1) as f32);
+            let first = (at as usize).min(end - 1);
+            [(first, 1.0 - (at - first as f32)), ((first + 1).min(end - 1), at - first as f32)]
+        });
+        for (row, up) in place[1] {
+            for (column, right) in place[0] {
+                over[row * columns + column] += self.film * (up * right / (BLOCK * BLOCK) as f32);
+            }
+        }
+    }
+}
+
+/// Spreads a share of what was gathered (row by row of pixels), and of lamps, over a picture.
+pub(super) fn bloom(picture: &mut Picture, film: &Film, (gathered, halos): (&[Vec3], &[Halo]), share: f32) {
     let (width, height) = (picture.width as usize, picture.height as usize);
     let columns = blocks(width);
-    if share <= 0.0 || gathered.iter().all(|v| *v == Vec3::ZERO) {
+    if share <= 0.0 || (halos.is_empty() && gathered.iter().all(|v| *v == Vec3::ZERO)) {
         return;
     }
     let rows = height.div_ceil(BLOCK);
@@ -50,7 +108,11 @@ pub(super) fn bloom(picture: &mut Picture, film: &Film, gathered: &[Vec3], share
         sums.iter_mut().zip(row).for_each(|(sum, v)| *sum += *v / (BLOCK * BLOCK) as f32);
     }
     let mut glare = vec![Vec3::ZERO; columns * rows];
-    for (reach, part) in SPREADS {
+    for (step, (reach, part)) in SPREADS.into_iter().enumerate() {
+        if step == 1 {
+            // What lamps scatter less far is finer than blocks.
+            halos.iter().for_each(|halo| halo.add_to_blocks(&mut over, [columns, rows]));
+        }
         let mut blurred = over.clone();
         for _ in 0..3 {
             blurred = boxed(&blurred, columns, reach);
@@ -61,12 +123,17 @@ pub(super) fn bloom(picture: &mut Picture, film: &Film, gathered: &[Vec3], share
     let values = film.values();
     picture.rgb.par_chunks_mut(3 * width).enumerate().for_each(|(y, row)| {
         let glare = Rows::at(&glare, columns, y);
+        let mut cores = vec![Vec3::ZERO; if halos.is_empty() { 0 } else { width }];
+        halos.iter().for_each(|halo| halo.add_core((y, &mut cores), share * SPREADS[0].1));
+        let core = |x: usize| cores.get(x).copied().unwrap_or_default();
         for (block, pixels) in row.as_chunks_mut::<3>().0.chunks_mut(BLOCK).enumerate() {
-            if glare.most(block) < LEAST {
+            let first = block * BLOCK;
+            let has_core = || (first..first + BLOCK).any(|x| core(x).max_element() > LEAST);
+            if glare.most(block) < LEAST && !has_core() {
                 continue;
             }
-            for (x, pixel) in (block * BLOCK..).zip(pixels) {
-                let more = glare.of(x).to_array();
+            for (x, pixel) in (first..).zip(pixels) {
+                let more = (glare.of(x) + core(x)).to_array();
                 *pixel = std::array::from_fn(|k| film.code(values[usize::from(pixel[k])] + more[k]));
             }
         }
@@ -156,7 +223,7 @@ mod tests {
         let mut picture = dark(640, 480);
         let gathered = lamp(width, height, (318, 238));
         assert_eq!(gathered.iter().sum::<Vec3>(), Vec3::new(16.0 * 49.0, 0.0, 0.0));
-        bloom(&mut picture, &film, &gathered, 0.03);
+        bloom(&mut picture, &film, (&gathered, &[]), 0.03);
         let red = |x: usize, y: usize| picture.rgb[3 * (y * width + x)];
         let falling = [0, 12, 24, 60, 140].map(|d| red(320 + d, 240));
         assert!(falling[..4].windows(2).all(|w| w[0] > w[1]), "{falling:?}");
@@ -185,11 +252,35 @@ mod tests {
                 );
             }
         }
-        bloom(&mut picture, &film, &gathered, 0.05);
+        bloom(&mut picture, &film, (&gathered, &[]), 0.05);
         let values = film.values();
         let more: f64 = picture.rgb.iter().map(|&v| f64::from(values[usize::from(v)] - values[40])).sum();
         let want = 0.05 * 2.0 * 80.0 * 80.0 * 3.0;
         assert!((more / want - 1.0).abs() < 0.15, "{more} {want}");
+    }
+
+    #[test]
+    fn a_lamp_glows_round_wherever_it_is_in_its_pixel() {
+        let mut sums = Vec::new();
+        for (x, y) in [(200.0, 150.0), (200.3, 150.9), (203.5, 146.5)] {
+            let halo = Halo { x, y, film: Vec3::new(1000.0, 0.0, 0.0) };
+            let mut rows = vec![vec![Vec3::ZERO; 400]; 300];
+            rows.iter_mut().enumerate().for_each(|(y, row)| halo.add_core((y, row), 0.5));
+            // As far to either side; nothing beyond its end.
+            let at = |dx: f32, dy: f32| rows[(y + dy) as usize][(x + dx) as usize].x;
+            if x == 200.0 {
+                assert!(
+                    (at(-6.0, 0.0) - at(5.0, 0.0)).abs() < 1e-3 && (at(0.0, 5.0) - at(5.0, 0.0)).abs() < 1e-3
+                );
+            }
+            assert!(at(0.0, 0.0) > 4.0 * at(6.0, 0.0) && at(14.0, 0.0) == 0.0, "{}", at(14.0, 0.0));
+            sums.push(rows.iter().flatten().map(|v| f64::from(v.x)).sum::<f64>());
+        }
+        // The integral of 1 / (1 + r2)2 is pi; its end takes some hundredths.
+        assert!(sums.iter().all(|sum| (460.0..505.0).contains(sum)), "{sums:?}");
+        let mut blocks = vec![Vec3::ZERO; 50 * 38];
+        Halo { x: 203.5, y: 146.5, film: Vec3::X * 64.0 }.add_to_blocks(&mut blocks, [50, 38]);
+        assert!((blocks.iter().map(|v| v.x).sum::<f32>() - 1.0).abs() < 1e-5);
     }
 
     #[test]
@@ -198,7 +289,7 @@ mod tests {
         let before = picture.clone();
         let mut gathered = vec![Vec3::ZERO; blocks(100) * 60];
         gather(&Vec3x8::splat(Vec3::splat(0.99)), 0, 8, &mut gathered[..blocks(100)]);
-        bloom(&mut picture, &film, &gathered, 0.5);
+        bloom(&mut picture, &film, (&gathered, &[]), 0.5);
         assert_eq!(picture, before);
     }
 }

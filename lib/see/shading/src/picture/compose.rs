@@ -7,6 +7,7 @@ use render::{CameraView, RenderError, Scene, Surfaces, VisibilityBuffer};
 
 use super::antialias::smooth_edges;
 use super::bloom::{blocks, bloom};
+use super::dazzle::halos;
 use super::mirror::{Dry, Mirror, WetSpan};
 use super::picture::Picture;
 use super::rain::{Rain, draw_rain};
@@ -100,7 +101,7 @@ impl Picture {
             let spray = Spray { snapshot, lighting, film, vignette, balance, exposure };
             spray.draw(self, view, buffer);
         }
-        bloom(self, film, bright, view.settings.bloom as f32);
+        bloom(self, film, (bright, &halos(shader, view)), view.settings.bloom as f32);
         smooth_edges(self);
         soften(self, film, snapshot, view, buffer);
         if lighting.rain > 0.0 {

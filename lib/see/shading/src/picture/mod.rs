@@ -3,6 +3,7 @@
 mod antialias;
 mod bloom;
 mod compose;
+mod dazzle;
 mod defocus;
 mod drops;
 mod film;
