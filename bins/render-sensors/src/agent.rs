@@ -12,7 +12,7 @@ use shading::{FrameWeather, Painter, StillWorld};
 use crate::recorder::{Channel, Channels};
 
 /// Everything within this distance is handed to the sensors: scenery reaches no further, lidars see less.
-const SIGHT_M: f64 = 1000.0;
+pub(crate) const SIGHT_M: f64 = 1000.0;
 
 /// Static objects in a scene, for painters.
 pub(crate) struct StaticWorld<'a>(pub(crate) &'a Replay);

@@ -16,7 +16,7 @@ use scene::SceneReader;
 use sensors::{Cameras, GeoOrigin, Radars, SensorContext, SharedBeams};
 use settings::stages::SensorSettings;
 
-use crate::agent::{AgentRig, Renderers, StaticWorld};
+use crate::agent::{AgentRig, Renderers, SIGHT_M, StaticWorld};
 use crate::due::{AgentTables, has_colour};
 
 /// The stage.
@@ -48,7 +48,8 @@ fn run(job: &mut Job<'_, SensorSettings>) -> Result<(), StageError> {
         return Ok(());
     }
     let light = if due.iter().any(has_colour) { Light::AmbientOcclusion } else { Light::Any };
-    let replay = Replay::in_light(&reader, light).at(|| job.place())?;
+    let mut replay = Replay::in_light(&reader, light).at(|| job.place())?;
+    replay.add_horizon(SIGHT_M);
     let device = job.prepared().get_or_make(|| Ok(Device::Cpu))?;
     let mut renderer = device.renderer();
     renderer.prepare(&replay.meshes()).at(|| job.place())?;

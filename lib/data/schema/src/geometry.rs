@@ -263,6 +263,9 @@ pub struct SurfaceMesh {
     pub mesh: TriMesh,
 }
 
+/// The object of what is beyond the world around agents: no object. Cameras see it, rays do not meet it.
+pub const HORIZON: ObjectId = 0;
+
 /// One object (or one piece of a large one) in a [`Snapshot`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instance {

@@ -68,6 +68,31 @@ impl Replay {
         Ok(Self { log, map, world })
     }
 
+    /// Adds what cameras see beyond the world around agents, as far as `to_m`.
+    pub fn add_horizon(&mut self, to_m: f64) {
+        let from_m = self.log.info.world_radius_m;
+        if from_m >= to_m {
+            return;
+        }
+        let place = |agent, frame| {
+            let [x, y, _] = self.log.world_from_agent(agent, frame).xyz();
+            [x, y]
+        };
+        let frames = 0..self.log.frame_count();
+        let agents = 0..self.log.agent_ids().len();
+        let places: Vec<[f64; 2]> = agents
+            .flat_map(|agent| frames.clone().step_by(10).map(move |frame| (agent, frame)))
+            .map(|(a, f)| place(a, f))
+            .collect();
+        let seed = u64::from_str_radix(self.log.info.map_hash.get(..16).unwrap_or_default(), 16).unwrap_or(0);
+        let is_winter = self.log.actors.iter().any(|actor| actor.model.ends_with(".bare"));
+        // An agent is elsewhere between the frames that are looked at, by less than a piece is wide.
+        let between_m = [from_m - land::horizon::PIECE_M, to_m + land::horizon::PIECE_M];
+        let pieces = land::horizon::horizon(&self.map, (seed, is_winter), &places, between_m);
+        let pieces = pieces.into_iter().map(|piece| (piece.origin_m, piece.mesh)).collect();
+        self.world.add_horizon(pieces, [from_m, to_m]);
+    }
+
     /// All meshes; a snapshot's mesh numbers are indices into them.
     #[must_use]
     pub fn meshes(&self) -> Arc<[Arc<TriMesh>]> {

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod horizon;
 pub mod scenery;
 pub mod surfaces;
 pub mod tiles;

@@ -9,7 +9,7 @@ use frames::{LocalOrigin, Object, Pose, World};
 use glam::{Affine3A, Mat3A, Quat, Vec3A};
 use meshes::actors::{ActorMesh, Cabin, Coarser, Joint, Piece, Posture, Rig, actor_mesh, has_variants};
 use rayon::prelude::*;
-use schema::geometry::{Instance, ObjectMotion, Snapshot, SurfaceMesh, TriMesh};
+use schema::geometry::{HORIZON, Instance, ObjectMotion, Snapshot, SurfaceMesh, TriMesh};
 use schema::tables::{ActorRow, FrameRow, LampRow, SignalRow, StateRow};
 use schema::{ActorKind, Layer, ObjectId, SignalState, lights};
 
@@ -143,6 +143,8 @@ pub struct SceneWorld {
     spheres: Vec<Sphere>,
     /// What is behind the panes of what never moves.
     fixed_cabins: Vec<Fixed>,
+    /// What cameras see beyond all that.
+    horizon: Vec<Fixed>,
     /// By object id.
     movers: BTreeMap<ObjectId, Mover>,
 }
@@ -271,6 +273,7 @@ impl SceneWorld {
             fixed: Vec::new(),
             spheres: Vec::new(),
             fixed_cabins: Vec::new(),
+            horizon: Vec::new(),
             movers: BTreeMap::new(),
         };
         world.add_ground(&layers, ground, &mut library);
@@ -389,6 +392,27 @@ impl SceneWorld {
         }
     }
 
+    /// Adds what cameras see between two distances from an agent, metres: meshes, each with the place of its
+    /// origin in the world, which its distance counts by. They are the last ones of snapshots, of no object.
+    pub fn add_horizon(&mut self, pieces: Vec<([f64; 3], TriMesh)>, between_m: [f64; 2]) {
+        let mut meshes = self.meshes.to_vec();
+        for (origin_m, mesh) in pieces {
+            self.horizon.push(Fixed {
+                mesh: meshes.len() as u32,
+                object: HORIZON,
+                object_m: origin_m,
+                seen: Range { from_m: between_m[0], to_m: between_m[1] },
+                origin_m,
+                rotation: Mat3A::IDENTITY,
+                paint: [0.5; 3],
+                lights: StaticLights::Building,
+                glow: linear_rgb(&lights::WINDOW_RGB),
+            });
+            meshes.push(Arc::new(mesh));
+        }
+        self.meshes = meshes.into();
+    }
+
     /// All meshes of the scene; the same list in every snapshot.
     #[must_use]
     pub fn meshes(&self) -> Arc<[Arc<TriMesh>]> {
@@ -396,7 +420,7 @@ impl SceneWorld {
     }
 
     /// The instances within `radius_m` (by bounding spheres) of a place: first what never moves, by id and
-    /// piece, then moving objects, by id and piece.
+    /// piece, then moving objects, by id and piece; then the [horizon](Self::add_horizon), if there is one.
     ///
     /// Rows of objects that are not among the scene's moving actors, or whose numbers are not finite, are
     /// passed over; moving actors without a state are absent.
@@ -476,6 +500,8 @@ impl SceneWorld {
             }
         }
         cabins.sort_by_key(|cabin| cabin.object);
+        let far_off = self.horizon.iter().filter(|piece| level(piece));
+        instances.extend(far_off.map(|piece| piece.placed(&origin, burning(piece))));
         Snapshot { origin, meshes: self.meshes(), instances, cabins, motions }
     }
 

@@ -8,7 +8,7 @@ use crate::{
 use frames::Aabb;
 use glam::Affine3A;
 use rayon::prelude::*;
-use schema::geometry::{Instance, Snapshot};
+use schema::geometry::{HORIZON, Instance, Snapshot};
 
 use crate::cpu::packet::{Boxes, Fan, HitsMut, Packet, Slabs};
 use crate::cpu::raster::rasterize;
@@ -215,7 +215,9 @@ impl<'a> CpuScene<'a> {
             [&self.snapshot.instances, &self.snapshot.cabins].map(|instances| {
                 let (mut numbers, mut boxes) = (Vec::with_capacity(instances.len()), Vec::new());
                 for instance in instances {
-                    if let Some(there) = &self.placed[number as usize] {
+                    if let Some(there) = &self.placed[number as usize]
+                        && instance.object != HORIZON
+                    {
                         boxes.push(around(there, &instance.local_from_object));
                         numbers.push(number);
                     }
@@ -251,7 +253,9 @@ impl<'a> CpuScene<'a> {
             [&self.snapshot.instances, &self.snapshot.cabins].map(|instances| {
                 let (mut numbers, mut boxes, mut moving) = (Vec::new(), Vec::new(), Vec::new());
                 for instance in instances {
-                    if let Some(placed) = &self.placed[number as usize] {
+                    if let Some(placed) = &self.placed[number as usize]
+                        && instance.object != HORIZON
+                    {
                         let (now, previous) =
                             (&instance.local_from_object, &instance.previous_local_from_object);
                         // An instance whose previous pose is not finite has just appeared: it did not move.

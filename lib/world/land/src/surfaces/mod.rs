@@ -35,9 +35,12 @@ mod water;
 
 pub use atlas::{AreaGround, Atlas, HALO_M, LEVELS_M};
 pub use cover::{Cover, Facet};
+pub(crate) use field::Field;
 pub use ground::GroundLevels;
 pub use lanes::beside_edge;
+pub(crate) use materials::GRASS;
 pub use raster::Raster;
 pub use region::Region;
 pub use sections::{Edge, Ground, Section, Strip};
 pub use water::Water;
+pub(crate) use water::waters;
