@@ -176,15 +176,17 @@ pub(super) fn marking(
 pub(super) fn grass((noise, textures): (&Noise, &Textures), rgb: Vec3, p: &Points) -> BrdfSample {
     let blades = laid(&textures.grass, p);
     let (tufts, meadow) = (ground_noise(noise, p, 4.0), ground_noise(noise, p, 2.0));
+    // Over tens of metres one lawn is lush and the next one dry; over some metres it is mown and worn unevenly.
+    let (broad, worn) = (ground_noise(noise, p, 0.06), ground_noise(noise, p, 0.35));
     // Dry patches are yellower; where it is driest, soil shows.
-    let dry = meadow * 0.7 + tufts * 0.3;
+    let dry = meadow * 0.5 + tufts * 0.22 + worn * 0.28;
     let tint = Vec3x8::new(
-        dry * 0.5 + 0.82 + blades.tint * 0.5,
-        dry * 0.12 + 0.94 + blades.tint * 0.12,
-        dry * 0.2 + 0.9,
-    );
+        dry * 0.5 + 0.75 + blades.tint * 0.5 + broad * 0.55,
+        dry * 0.12 + 0.86 + blades.tint * 0.12 + broad * 0.14,
+        dry * 0.2 + 0.82 + broad * 0.36,
+    ) * (worn * 0.34 + 0.78);
     let green = shades(rgb, blades.shade * (tufts * 0.5 + 0.75)) * tint;
-    let bare = smoothstep(0.74, 0.86, dry) * 0.7;
+    let bare = smoothstep(0.70, 0.84, dry) * 0.7;
     let soil = shades(Vec3::new(0.15, 0.11, 0.07), blades.shade * 0.4 + 0.6);
     BrdfSample::leaning(green.lerp(soil, bare), blades.lean)
 }
