@@ -150,7 +150,7 @@ impl<'v, 'a> SurfaceTriangle<'v, 'a> {
         Bend::new(mesh.corners(self.triangle as usize), normals, &self.view.to_local, side)
     }
 
-    /// The mean of the normals for light of its corners (unit), on the camera's side, local frame; that of its
+    /// The mean of its corners' normals for light (unit), on the camera's side, local frame; that of its
     /// plane where it is flat.
     #[must_use]
     pub fn mean_normal_local(&self) -> Vec3 {

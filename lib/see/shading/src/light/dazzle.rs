@@ -9,8 +9,8 @@ use super::street;
 
 /// What a street lamp gives above its cut-off, as a share of [`street::intensity`]: its cover scatters light.
 const STREET_SPILL: f32 = 0.03;
-/// Kilocandela of lamps by which nothing is lit but which are seen: traffic lights (EN 12368), brake lamps and
-/// the others of vehicles (UN Regulation 148), emergency lights.
+/// Kilocandela of lamps that are seen and light hardly anything: traffic lights (EN 12368), brake lamps,
+/// emergency lights, the others of vehicles (UN Regulation 148).
 const SIGNAL_KCD: f32 = 0.15;
 const BRAKE_KCD: f32 = 0.06;
 const EMERGENCY_KCD: f32 = 0.4;

@@ -53,8 +53,8 @@ pub(crate) fn shadows_at(
             (Lens::at(place_m, to_light, size), is_steady)
         }));
     }
-    // How far, in texels of the next finer map, something has to be within that for this one to do without it;
-    // the first map is the one from above.
+    // How far, in texels of the next finer map, something has to be within that for this one to do without
+    // it; the first map is the one from above.
     let inner_px = |i: usize| {
         let (lens, finer) = (&lenses[i].0.0, &lenses[i.checked_sub(1)?].0.0);
         (i > 1).then(|| (AROUND as f32 * lens.texel_m + ASLANT_M) / finer.texel_m)
@@ -87,8 +87,8 @@ pub(crate) fn shadows_at(
     Ok((Shadows { to_light, maps }, SkyOcclusionMap { map: above }))
 }
 
-/// What stands still in the maps of some lenses, each of which is kept or not, and from which column and row on
-/// it is that of the lens's window.
+/// What stands still in the maps of some lenses, each of which is kept or not, and from which column and
+/// row on it is that of the lens's window.
 fn standing(
     still: &StillMaps<'_>,
     lenses: &[((Lens, Window), bool)],

@@ -19,8 +19,8 @@ const MOST_WALLS: usize = 24;
 /// What never moves in a scene.
 pub trait StillWorld: Send + Sync {
     /// Static objects within a distance of a place: as far as a scene's snapshots reach around an agent,
-    /// less `nearer_m`; all as detailed as they are at `detail_m` from an agent. The answer follows from these
-    /// numbers alone.
+    /// less `nearer_m`; all as detailed as they are at `detail_m` from an agent. The answer follows from
+    /// these numbers alone.
     fn around(&self, centre_world_m: [f64; 3], nearer_m: f64, detail_m: f64) -> Snapshot;
 
     /// Whether an object of a snapshot may move.
@@ -123,8 +123,8 @@ impl<'a> StillMaps<'a> {
         free.or(elsewhere)
     }
 
-    /// The map of a window of a lens, which nobody will ask for again; of what lies wholly in a finer one only
-    /// what reaches out of that by so many of its texels.
+    /// The map of a window of a lens, which nobody will ask for again; of what lies wholly in a finer one
+    /// only what reaches out of that by so many of its texels.
     ///
     /// # Errors
     /// The renderer failed.

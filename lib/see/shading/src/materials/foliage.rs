@@ -3,7 +3,7 @@
 use schema::geometry::{MeshPart, Surface};
 use simd::Vec3x8;
 
-use super::material::PatternSet;
+use super::pattern::PatternSet;
 use super::shaded_triangle::{BrdfSample, Points};
 
 /// Whether a part stands for leaves.

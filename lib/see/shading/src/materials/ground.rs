@@ -176,7 +176,8 @@ pub(super) fn marking(
 pub(super) fn grass((noise, textures): (&Noise, &Textures), rgb: Vec3, p: &Points) -> BrdfSample {
     let blades = laid(&textures.grass, p);
     let (tufts, meadow) = (ground_noise(noise, p, 4.0), ground_noise(noise, p, 2.0));
-    // Over tens of metres one lawn is lush and the next one dry; over some metres it is mown and worn unevenly.
+    // Over tens of metres one lawn is lush and the next one dry; over some metres it is mown and worn
+    // unevenly.
     let (broad, worn) = (ground_noise(noise, p, 0.06), ground_noise(noise, p, 0.35));
     // Dry patches are yellower; where it is driest, soil shows.
     let dry = meadow * 0.5 + tufts * 0.22 + worn * 0.28;

@@ -14,23 +14,10 @@ use super::dirt;
 use super::facade::facade;
 use super::foliage::foliage;
 use super::ground;
-use super::pattern::{Width, bars};
+use super::pattern::{PatternSet, Width, bars};
 use super::paving;
 use super::shaded_triangle::{BrdfSample, Points, ShadedTriangle, Specular, Surroundings, shades};
 use super::uv_surface::UvSurface;
-
-/// What patterns are made of.
-#[derive(Clone, Copy)]
-pub(crate) struct PatternSet {
-    pub(super) noise: &'static Noise,
-    pub(super) textures: &'static Textures,
-}
-
-impl PatternSet {
-    pub(crate) fn get() -> Self {
-        Self { noise: Noise::get(), textures: Textures::get() }
-    }
-}
 
 /// Film value of lenses that shine white: brighter than any paint, whatever the exposure.
 const WHITE_LENS: f32 = 6.0;

@@ -20,5 +20,6 @@ mod uv_surface;
 
 pub(crate) use foliage::{foliage, is_leaf};
 pub(crate) use ground::gets_wet;
-pub(crate) use material::{PatternSet, sample};
+pub(crate) use material::sample;
+pub(crate) use pattern::PatternSet;
 pub(crate) use shaded_triangle::{Points, ShadedTriangle, Specular, Surroundings};

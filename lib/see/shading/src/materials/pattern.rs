@@ -2,6 +2,21 @@
 
 use simd::F32x8;
 
+use crate::textures::{Noise, Textures};
+
+/// What patterns are made of.
+#[derive(Clone, Copy)]
+pub(crate) struct PatternSet {
+    pub(super) noise: &'static Noise,
+    pub(super) textures: &'static Textures,
+}
+
+impl PatternSet {
+    pub(crate) fn get() -> Self {
+        Self { noise: Noise::get(), textures: Textures::get() }
+    }
+}
+
 /// Share of the interval `[x - w / 2, x + w / 2]` that lies in the bars `[k, k + bar)` of a pattern of period
 /// 1.
 #[inline]

@@ -15,8 +15,8 @@ const MOST_OVER: f32 = 60.0;
 /// Scattered light falls off in three steps: reach in blocks of a box that is laid over three times, and
 /// share.
 const SPREADS: [(usize, f32); 3] = [(1, 0.45), (4, 0.30), (14, 0.25)];
-/// What a lamp scatters close around it: half as wide as this share of the picture, and so many times as far at
-/// most.
+/// What a lamp scatters close around it: half as wide as this share of the picture, and so many times as
+/// far at most.
 const CORE: f32 = 1.0 / 360.0;
 const CORES: f32 = 11.0;
 /// Less than this, as film value, is not seen.

@@ -6,7 +6,7 @@ use render::{CameraView, VisibilityBuffer};
 use simd::{F32x8, LANES};
 
 use super::bloom::Halo;
-use super::shade::Shader;
+use super::shader::Shader;
 use crate::light::Shining;
 
 /// Something this much nearer than a lamp is before it, metres, and as a share of its distance.

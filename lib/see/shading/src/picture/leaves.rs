@@ -1,14 +1,14 @@
 //! Pixels that show leaves, eight at once of whatever triangles.
 //!
-//! A leaf fills a pixel or two. Worked out triangle by triangle, as walls are, each would cost as much as eight
-//! pixels of a wall. The colour of a pixel follows from its own triangle and place alone.
+//! A leaf fills a pixel or two. Worked out triangle by triangle, as walls are, each would cost as much as
+//! eight pixels of a wall. The colour of a pixel follows from its own triangle and place alone.
 
 use glam::Vec3;
 use render::{SurfacePoints, SurfaceTriangle};
 use simd::{F32x8, LANES, Vec3x8};
 
 use super::bloom::gather_one;
-use super::shade::Shader;
+use super::shader::Shader;
 use crate::light::{CornerGradient, Facing};
 use crate::materials::{Points, foliage};
 

@@ -14,6 +14,7 @@ mod noise;
 mod picture;
 mod rain;
 mod shade;
+mod shader;
 mod shutter;
 mod soften;
 mod spray;

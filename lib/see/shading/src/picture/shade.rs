@@ -6,13 +6,11 @@ use render::{Bend, RenderError, SKY, SurfacePoints, SurfaceTriangle, Surfaces, V
 use simd::{F32x8, LANES, STEPS, Vec3x8, exp_neg, smoothstep};
 
 use super::bloom::gather;
-use super::film::Film;
 use super::leaves::{LeafPixels, WholeRow};
 use super::mirror::{Mirror, WetSpan};
-use super::vignette::Vignette;
-use crate::light::{CornerGradient, Facing, Lighting, Lit};
-use crate::materials::{PatternSet, Points, ShadedTriangle, Specular, gets_wet, is_leaf, sample};
-use render::CameraView;
+use super::shader::Shader;
+use crate::light::{CornerGradient, Facing, Lit};
+use crate::materials::{Points, ShadedTriangle, Specular, gets_wet, is_leaf, sample};
 use render::panes::{PASSES, PaneRays, Panes, TransmittedHit};
 
 /// What wet ground mirrors at eight pixels, and whether that is known.
@@ -188,10 +186,6 @@ enum Spread {
     Far,
 }
 
-/// What a wall that hides the sky sends in its place, of what the sky gives: walls reflect some four tenths,
-/// and half of what the ground has reaches them.
-const WALLS: Vec3 = Vec3::new(0.27, 0.24, 0.20);
-
 /// Shade from above may differ by this at the ends of an even stretch.
 const ALIKE: f32 = 0.06;
 
@@ -199,55 +193,7 @@ const ALIKE: f32 = 0.06;
 /// panes are all around.
 const OPEN_IN_CABINS: f32 = 0.55;
 
-pub(super) struct Shader<'a> {
-    pub(super) buffer: &'a VisibilityBuffer,
-    pub(super) lighting: &'a Lighting,
-    pub(super) patterns: PatternSet,
-    /// Film value per radiance.
-    pub(super) exposure: f32,
-    /// Width of a pixel at a depth of a metre.
-    pub(super) per_focal: f32,
-    pub(super) camera: Vec3,
-    pub(super) film: Film,
-    pub(super) vignette: Vignette,
-    /// What makes white things white.
-    pub(super) balance: Vec3,
-    pub(super) hazy: bool,
-    /// Film value of fog.
-    pub(super) veil: Vec3,
-    /// Film value of a white surface, by the sky's ambient terms.
-    pub(super) ambient: [Vec3; 4],
-    /// Film value of a white surface by sunlight that comes back from what it falls on.
-    pub(super) bounced: Vec3,
-    /// Film value of a white surface that faces the sun.
-    pub(super) key: Vec3,
-    /// What wet ground mirrors, when the rest is painted.
-    pub(super) mirror: Option<Mirror>,
-}
-
 impl<'a> Shader<'a> {
-    pub(super) fn new(view: &CameraView, buffer: &'a VisibilityBuffer, lighting: &'a Lighting) -> Self {
-        let exposure = lighting.exposure.per_radiance(view.settings.f_stop);
-        let of_white = exposure / std::f32::consts::PI;
-        Self {
-            buffer,
-            lighting,
-            patterns: PatternSet::get(),
-            exposure,
-            per_focal: 1.0 / buffer.camera.fx,
-            camera: Vec3::from(buffer.camera.local_from_optical.translation),
-            film: Film::new(),
-            vignette: Vignette::new(buffer.width, buffer.height, view.settings.vignetting as f32),
-            balance: lighting.exposure.balance(view.settings.white_balance),
-            hazy: !lighting.fog.is_clear(),
-            veil: lighting.fog.rgb * exposure,
-            ambient: lighting.sky.ambient.map(|a| a * of_white),
-            bounced: lighting.sky.bounced_klx() * of_white,
-            key: lighting.sky.key_klx * of_white,
-            mirror: None,
-        }
-    }
-
     /// Paints a row but for wet ground, which mirrors the rest: the spans that are left for it.
     pub(super) fn paint_dry(
         &self,
@@ -568,14 +514,6 @@ impl<'a> Shader<'a> {
             out = self.specular(out, specular, normals, toward, &light, mirrored);
         }
         Vec3x8::splat(self.veil).lerp(out, light.passes)
-    }
-
-    /// The light of sky and ground where houses leave such a share of the sky.
-    #[inline]
-    pub(super) fn between_houses(&self, ambient: Vec3x8, left: F32x8) -> Vec3x8 {
-        let walls = 1.0 - left;
-        let left = |wall: f32| walls * (wall - 1.0) + 1.0;
-        ambient * Vec3x8::new(left(WALLS.x), left(WALLS.y), left(WALLS.z)) + Vec3x8::splat(self.bounced)
     }
 
     fn begin<'p>(&self, triangle: &SurfaceTriangle<'_, 'p>) -> Run<'p> {

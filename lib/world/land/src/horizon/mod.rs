@@ -1,9 +1,10 @@
-//! What cameras see beyond the world that is laid out around agents: hills, woods, fields, villages, a skyline
-//! where more of the town is.
+//! What cameras see beyond the world that is laid out around agents: hills, woods, fields, villages, a
+//! skyline where more of the town is.
 //!
-//! It is for pictures alone: rays, boxes, masks and voxels know nothing of it. It follows from the map, and so
-//! is the same for all scenes, agents and frames on it. It is coarse: it begins hundreds of metres off.
+//! It is for pictures alone: rays, boxes, masks and voxels know nothing of it. It follows from the map, and
+//! so is the same for all scenes, agents and frames on it. It is coarse: it begins hundreds of metres off.
 
+mod plot;
 mod roads;
 mod shape;
 mod things;
@@ -14,15 +15,12 @@ use random::Stream;
 use schema::geometry::TriMesh;
 
 use crate::surfaces::{Field, waters};
+use plot::{PLOT_M, SQUARE_M, Use};
 use roads::Roads;
 use shape::Shape;
 
 /// Side of a piece; they lie on whole multiples of it in the world, metres.
 pub const PIECE_M: f64 = 128.0;
-/// Side of a plot of one use, metres: two by two are a piece.
-const PLOT_M: f64 = 64.0;
-/// Side of the squares that the ground is made of, metres.
-const SQUARE_M: f64 = 32.0;
 /// The land of the horizon is so much lower than that around agents, which hides its edge, metres.
 const SUNK_M: f64 = 1.2;
 /// Hills begin this far from roads and are whole at the second distance, metres; and their height there.
@@ -35,9 +33,8 @@ const WOOD_M: f64 = 300.0;
 const WOODED: f64 = 0.45;
 /// Share of plots that are a village.
 const VILLAGES: f64 = 0.04;
-/// Nearer to a road there is no wood, and within the second distance nothing stands, metres.
+/// Nearer to a road there is no wood, metres.
 const OPEN_M: f64 = 56.0;
-const STREET_M: f64 = 20.0;
 
 /// A piece of the horizon.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,16 +43,6 @@ pub struct HorizonPiece {
     pub origin_m: [f64; 3],
     /// Its triangles.
     pub mesh: TriMesh,
-}
-
-/// How a piece of land is used, as one sees from afar.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Use {
-    Town,
-    Village,
-    Wood,
-    Field,
-    Meadow,
 }
 
 /// The pieces that are between two distances from any of some places in the world, metres; row by row.

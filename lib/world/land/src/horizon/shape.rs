@@ -46,8 +46,8 @@ impl Shape {
         }
     }
 
-    /// A house on a place: walls of a height, and a roof that rises to its ridge along x or, without a rise, is
-    /// flat. `half_m` and `along` are in the plane.
+    /// A house on a place: walls of a height, and a roof that rises to its ridge along x or, without a
+    /// rise, is flat. `half_m` and `along` are in the plane.
     pub(super) fn house(
         &mut self,
         [wall, roof]: [MeshPart; 2],

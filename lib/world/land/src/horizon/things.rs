@@ -5,8 +5,8 @@ use random::Stream;
 use schema::Tag;
 use schema::geometry::{MeshPart, Surface, Wall};
 
+use super::plot::{PLOT_M, SQUARE_M, STREET_M, Use};
 use super::shape::Shape;
-use super::{PLOT_M, SQUARE_M, STREET_M, Use};
 use crate::surfaces::GRASS;
 
 /// Colours of fields, linear RGB, and how common each is: grass, corn, stubble, soil, rape, beet.
