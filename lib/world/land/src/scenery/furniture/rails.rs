@@ -25,7 +25,7 @@ const AT_DROPS_MPS: f64 = 11.0;
 const DROP_BEYOND_M: f64 = 5.0;
 const DROP_M: f64 = 1.2;
 /// And outside of bends whose radius is less than this, taken over so much road before and behind, metres.
-const BEND_M: f64 = 120.0;
+const BEND_M: f64 = 200.0;
 const BEND_OVER_M: f64 = 15.0;
 /// Neighbours may lie on each other by so much, metres.
 const LAP_M: f64 = 0.3;

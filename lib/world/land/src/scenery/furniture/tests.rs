@@ -282,7 +282,7 @@ fn wires_hang_from_pole_to_pole_over_everything() {
                 let (s, c) = frames::math::sin_cos(turn.to_radians());
                 let ends = [-1.0, 1.0].map(|of| {
                     let across = of * 0.94 * 1.18;
-                    let end = [side * wires.length_m + across * c, across * s, wires.height_m - 0.03];
+                    let end = [side * wires.length_m + across * c, across * s, wires.height_m - 0.05];
                     pose.isometry() * Point3::from(end)
                 });
                 let off =

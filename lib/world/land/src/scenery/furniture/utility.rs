@@ -10,12 +10,14 @@ use frames::{OrientedRect, wrap_pi};
 use nalgebra::{Point3, Vector3};
 use schema::{ActorKind, Tag};
 
+use super::doorways::doorway;
 use super::kinds::{FURNITURE, FurnitureKind, FurniturePlace};
 use super::street::street;
 use crate::scenery::claims::{Candidate, rank, settle};
 use crate::scenery::draft::Draft;
 use crate::scenery::frontage::Frontage;
 use crate::scenery::land::Land;
+use crate::scenery::lots::House;
 use crate::scenery::site::{FOOT_M, POLE_M, Site, reach_m};
 use crate::scenery::style::FurnitureStyle;
 use crate::scenery::swept::is_swept;
@@ -27,8 +29,8 @@ const END_M: f64 = 4.0;
 const BEYOND_WALK_M: f64 = 0.7;
 /// A foot is at most so much lower or higher than the edge of the road, metres.
 const STEP_M: f64 = 1.2;
-/// European towns have so much fewer lines: their cables are in the ground.
-const IN_EUROPE: f64 = 0.45;
+/// European towns have fewer lines by this factor: their cables are in the ground.
+const IN_EUROPE: f64 = 0.7;
 /// No wire is longer than this, metres: what is looked at around an area follows from it.
 const LONGEST_M: f64 = 54.0;
 /// Wires are so far above every road that they cross, metres.
@@ -40,7 +42,7 @@ const HELD: f64 = 0.93;
 const OVER_M: f64 = 0.20;
 const REAR_M: f64 = 0.10;
 /// Room around the ends of wires in their box, metres.
-const ROOM_M: f64 = 0.03;
+const ROOM_M: f64 = 0.05;
 
 /// The model of wires: four from the arm of one pole to that of the next one.
 pub(crate) const WIRES: &str = "pole.wires";
@@ -55,18 +57,23 @@ struct Pole {
 pub(crate) fn utility(
     site: &Site<'_>,
     fronts: &[Frontage],
-    built: &Land<'_>,
+    houses: &[Candidate<House<'_>>],
     land: &mut Land<'_>,
     drafts: &mut Vec<Draft>,
 ) {
     if site.rules.density <= 0.0 {
         return;
     }
+    let (mut built, mut ways) = (land.without_things(), land.without_things());
+    for house in houses {
+        built.take(house.takes);
+        ways.take(doorway(house));
+    }
     for kind in &FURNITURE {
         let FurniturePlace::Wired { beyond_m, apart_m } = kind.place else { continue };
         let mut candidates = Vec::new();
         for front in fronts.iter().filter(|front| !front.track) {
-            line(site, (kind, beyond_m, apart_m), front, (built, land), &mut candidates);
+            line(site, (kind, beyond_m, apart_m), front, [&built, &ways, land], &mut candidates);
         }
         let standing: BTreeMap<(u64, u64), Pole> = settle(candidates, land)
             .into_iter()
@@ -74,10 +81,10 @@ pub(crate) fn utility(
             .collect();
         for (&(entity, slot), pole) in &standing {
             let next =
-                standing.get(&(entity, slot + 1)).and_then(|next| wires(site, kind, built, [pole, next]));
+                standing.get(&(entity, slot + 1)).and_then(|next| wires(site, kind, &built, [pole, next]));
             let before = slot.checked_sub(1).and_then(|slot| standing.get(&(entity, slot)));
             let is_held = next.is_some()
-                || before.is_some_and(|before| wires(site, kind, built, [before, pole]).is_some());
+                || before.is_some_and(|before| wires(site, kind, &built, [before, pole]).is_some());
             // A pole that holds nothing is none.
             let [x, y, z] = pole.foot.into();
             if is_held && site.holds(x, y) {
@@ -96,7 +103,7 @@ fn line(
     site: &Site<'_>,
     (kind, beyond_m, [shortest_m, longest_m]): (&'static FurnitureKind, f64, [f64; 2]),
     front: &Frontage,
-    (built, land): (&Land<'_>, &Land<'_>),
+    [built, ways, land]: [&Land<'_>; 3],
     candidates: &mut Vec<Candidate<Pole>>,
 ) {
     if front.length_m() < SHORTEST_M || !front.entity.is_multiple_of(2) {
@@ -119,7 +126,8 @@ fn line(
         let near = site.near(foot.x, foot.y, reach_m::UTILITY);
         let takes = OrientedRect::new([foot.x, foot.y], spot.facing_yaw(), [FOOT_M; 2]);
         let arms = OrientedRect { half_m: [0.5 * kind.size_m[0], 0.5 * kind.size_m[1]], ..takes };
-        if !near || !land.free(&takes) || !built.unused(&arms) || is_swept(site.map, foot, POLE_M) {
+        let stands = || land.free(&takes) && built.unused(&arms) && ways.unused(&takes);
+        if !near || !stands() || is_swept(site.map, foot, POLE_M) {
             continue;
         }
         let z_m = site.levels().height(foot.x, foot.y, spot.point.z);

@@ -15,6 +15,7 @@ use schema::footprint::LightMount;
 use crate::scenery::draft::Draft;
 use crate::scenery::land::Land;
 use crate::scenery::site::{FOOT_M, POLE_M, Site, reach_m};
+use crate::scenery::style::FurnitureStyle;
 use crate::scenery::swept::is_swept;
 use crate::surfaces::Ground;
 use head::{SIGNAL, head};
@@ -81,7 +82,7 @@ fn first(site: &Site<'_>, index: usize, signal: &SignalInfo) -> Vec<Draft> {
     heads(site, signal, foot, yaw, arm, mean < 0.0)
 }
 
-/// The heads on a pole: one on it, or one on its arm over the road and a second one below that.
+/// The heads on a pole: one on it, or one on its arm over the road and in Europe a second one below that.
 fn heads(
     site: &Site<'_>,
     signal: &SignalInfo,
@@ -99,7 +100,9 @@ fn heads(
     }
     let high = LightMount { height_m: ON_ARM_M as f32, arm_m, ..low };
     let hangs = LightMount { hangs: true, ..low };
-    [high, hangs].map(|mount| head(site, &SIGNAL, &signal.id, place, mount)).into()
+    let has_low = site.style() == FurnitureStyle::European;
+    let mounts = std::iter::once(high).chain(has_low.then_some(hangs));
+    mounts.map(|mount| head(site, &SIGNAL, &signal.id, place, mount)).collect()
 }
 
 impl Site<'_> {

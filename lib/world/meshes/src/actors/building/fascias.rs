@@ -33,8 +33,8 @@ const LIGHT: f32 = 0.22;
 /// Names of families that keep shops, made up, and what they sell: as many as have no divisor in common, so that
 /// every board says something else.
 const NAMES: [&str; 13] = [
-    "ALDERBY", "BRENNIK", "CORVANE", "DELLARU", "ESKO", "FARNWOLD", "GRIMALDE", "HOLLMAR", "IVERSOL", "JANOWEY",
-    "KETTLER", "LUMBERG", "MARRISK",
+    "ALDERBY", "BRENNIK", "CORVANE", "DELLARU", "ESKO", "FARNWOLD", "GRIMALDE", "HOLLMAR", "IVERSOL",
+    "JANOWEY", "KETTLER", "LUMBERG", "MARRISK",
 ];
 const TRADES: [&str; 16] = [
     "BAKERY", "BOOKS", "FLOWERS", "OPTICIAN", "SHOES", "CYCLES", "PHARMACY", "TAILOR", "COFFEE", "HARDWARE",
@@ -137,7 +137,8 @@ mod tests {
 
     #[test]
     fn every_shop_has_a_board_with_its_own_picture() {
-        for (model, size_m) in [("building.block", [13.0, 26.0, 16.0]), ("building.shop", [12.0, 14.0, 5.0])] {
+        for (model, size_m) in [("building.block", [13.0, 26.0, 16.0]), ("building.shop", [12.0, 14.0, 5.0])]
+        {
             let actor = actor_mesh(model, size_m, 7).expect("a building");
             let shops = (size_m[1] / 6.4).round() as usize;
             for pieces in std::iter::once(&actor.pieces).chain(actor.coarser.iter().map(|far| &far.pieces)) {
@@ -145,9 +146,7 @@ mod tests {
                 let textures = mesh.textures.as_ref().expect("pictures");
                 assert_eq!((textures.sets.len(), textures.corners.len()), (shops, mesh.triangles.len()));
                 for set in 0..shops {
-                    let of = |i: &usize| {
-                        matches!(mesh.part(*i).surface, Surface::Textured(f) if f.texture_set == Some(set as u8))
-                    };
+                    let of = |i: &usize| matches!(mesh.part(*i).surface, Surface::Textured(f) if f.texture_set == Some(set as u8));
                     let facing = |i: &usize| {
                         let [a, b, c] = mesh.corners(*i);
                         (b - a).cross(c - a).normalize().x > 0.9
@@ -161,7 +160,8 @@ mod tests {
                     for i in &front {
                         for (p, place) in mesh.corners(*i).iter().zip(textures.corners[*i]) {
                             for (q, other) in mesh.corners(*i).iter().zip(textures.corners[*i]) {
-                                let (right, up) = ((q.y - p.y) * (other.x - place.x), (q.z - p.z) * (other.y - place.y));
+                                let (right, up) =
+                                    ((q.y - p.y) * (other.x - place.x), (q.z - p.z) * (other.y - place.y));
                                 assert!(right >= 0.0 && up <= 0.0);
                             }
                         }
