@@ -33,6 +33,8 @@ pub struct LightMount {
     pub arm_m: f32,
     /// Whether the pole stands at the right of the traffic that looks at the light.
     pub pole_right: bool,
+    /// Whether it hangs on something else's pole and has none of its own.
+    pub hangs: bool,
 }
 
 impl LightMount {
@@ -41,7 +43,7 @@ impl LightMount {
     pub fn to_variant(self) -> u32 {
         let height = (self.height_m * 100.0).round().clamp(0.0, 4095.0) as u32;
         let arm = (self.arm_m * 10.0).round().clamp(0.0, 255.0) as u32;
-        height | arm << 12 | u32::from(self.pole_right) << 20
+        height | arm << 12 | u32::from(self.pole_right) << 20 | u32::from(self.hangs) << 21
     }
 
     /// What a variant says.
@@ -51,6 +53,7 @@ impl LightMount {
             height_m: (variant & 0xfff) as f32 / 100.0,
             arm_m: (variant >> 12 & 0xff) as f32 / 10.0,
             pole_right: variant >> 20 & 1 == 1,
+            hangs: variant >> 21 & 1 == 1,
         }
     }
 }
@@ -78,7 +81,8 @@ fn is_ground(actor: &ActorRow) -> bool {
         || actor.kind == ActorKind::Prop && (is_paving || actor.height_m < FLAT_M)
 }
 
-/// What of a fixed object is in the way at walking height; none for what is ground itself.
+/// What of a fixed object is in the way at walking height; none for what is ground itself or hangs on
+/// another thing.
 #[must_use]
 pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
     if is_ground(actor) {
@@ -93,6 +97,9 @@ pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
     let (at, below_m, half_m) = match actor.kind {
         ActorKind::TrafficLight => {
             let mount = LightMount::from_variant(actor.variant);
+            if mount.hangs {
+                return None;
+            }
             let side = if mount.pole_right { 1.0 } else { -1.0 } * f64::from(mount.arm_m);
             ([-half[0] - LIGHT_BEHIND_M, side], f64::from(mount.height_m), [LIGHT_FOOT_M; 2])
         }
@@ -135,7 +142,7 @@ mod tests {
     #[test]
     fn a_light_stands_where_its_arm_ends() {
         // It looks west from (10, 5); the pole is at the right of those who see it, 4 m to the south.
-        let mount = LightMount { height_m: 5.2, arm_m: 4.0, pole_right: true };
+        let mount = LightMount { height_m: 5.2, arm_m: 4.0, pole_right: true, hangs: false };
         let actor = ActorRow {
             kind: ActorKind::TrafficLight,
             model: "light.signal".into(),
@@ -153,5 +160,8 @@ mod tests {
         assert!(found.xyz_m.iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?}");
         assert!(found.half_m == [0.17; 2] && (found.height_m - 6.3).abs() < 1e-6);
         assert_eq!(footprint(&ActorRow { kind: ActorKind::Surface, ..ActorRow::default() }), None);
+        let hangs = LightMount { hangs: true, ..mount };
+        assert_eq!(LightMount::from_variant(hangs.to_variant()), hangs);
+        assert_eq!(footprint(&ActorRow { variant: hangs.to_variant(), ..actor }), None);
     }
 }

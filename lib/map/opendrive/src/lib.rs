@@ -40,9 +40,9 @@ mod read;
 mod write;
 
 pub use map::{
-    Ahead, Area, Crosswalk, CrosswalkSpan, GroupController, JunctionInfo, LaneBounds, LaneHit, LaneId,
-    LaneInfo, LanePoint, LanePolyline, LanePos, Map, Marking, ObjectInfo, OutlineInfo, RoadSymbol, Sidewalk,
-    SignalGroup, SignalInfo, StopLine, StopLineSource, Stripe, StripeStrip, VEHICLE_LANE_WIDTH_M,
+    Ahead, Area, Crosswalk, CrosswalkAxis, CrosswalkSpan, GroupController, JunctionInfo, LaneBounds, LaneHit,
+    LaneId, LaneInfo, LanePoint, LanePolyline, LanePos, Map, Marking, ObjectInfo, OutlineInfo, RoadSymbol,
+    Sidewalk, SignalGroup, SignalInfo, StopLine, StopLineSource, Stripe, StripeStrip, VEHICLE_LANE_WIDTH_M,
 };
 pub use model::{
     AccessRule, BoundarySegment, BoxSide, Bridge, Connection, ConnectionKind, ContactPoint, Controller,

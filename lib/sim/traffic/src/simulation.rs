@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use frames::{LocalOrigin, Object, Pose, World};
 use nalgebra::Point3;
 use schema::footprint::footprint;
-use schema::tables::{ActorRow, FrameRow, PlanSceneRow, SignalRow, StateRow};
+use schema::tables::{ActorRow, FrameRow, PlanSceneRow, StateRow};
 use schema::tile::TileIndex;
 use schema::{FRAME_PERIOD_S, ObjectId};
 
@@ -25,8 +25,9 @@ use crate::occupancy::Occupancy;
 use crate::road::net::Net;
 use crate::road::signals::Signals;
 use crate::scene::initial_actors::InitialActors;
+use crate::scene::lamps::{Lamp, lamps};
 use crate::scene::log::{log_towed, log_vehicles, log_walkers, vehicle_lamps, weather_lamps};
-use crate::scene::placing::{Streets, add_parked, lamps, place_vehicles, place_walkers};
+use crate::scene::placing::{Streets, add_parked, place_vehicles, place_walkers};
 use crate::scene::rolling::set_rolling;
 use crate::scene::rows::Snapshot;
 use crate::swept_path::SweptPaths;
@@ -132,8 +133,8 @@ struct Simulation<'a> {
     standing: Obstacles,
     /// Tiles of the fixed world that somebody came near.
     tiles: BTreeSet<TileIndex>,
-    /// Traffic lights there: object id, signal of the map.
-    lamps: Vec<(ObjectId, usize)>,
+    /// Traffic lights there.
+    lamps: Vec<Lamp>,
     /// Where road-side units stand.
     rsus: Vec<Point3<f64>>,
     occupancy: Occupancy,
@@ -506,16 +507,11 @@ impl<'a> Simulation<'a> {
     /// What the lights showed at frames -1 to the last, frame 0 being `lead` steps after the start. Programs
     /// follow the clock alone, so lights are known before anybody came near them, too.
     fn log_signals(&mut self, lead: usize) {
-        self.lamps.sort_unstable();
-        let map_signals = self.input.map.signals();
+        self.lamps.sort_by_key(|lamp| lamp.id);
         for frame in -1..self.input.scene.frames as i32 {
             let time_s = f64::from(frame + lead as i32) * FRAME_PERIOD_S;
-            self.log.signals.extend(self.lamps.iter().map(|&(id, signal)| SignalRow {
-                frame,
-                id,
-                state: self.signals.state(signal, time_s),
-                opendrive_id: map_signals[signal].id.clone(),
-            }));
+            let rows = self.lamps.iter().map(|lamp| lamp.row(&self.signals, frame, time_s));
+            self.log.signals.extend(rows);
         }
     }
 

@@ -147,7 +147,7 @@ table! {
         id: u16,
         /// `Red`, `Yellow`, `Green` or `Off`.
         state: SignalState,
-        /// OpenDRIVE id of the signal.
+        /// OpenDRIVE id of the signal; of lights for people who cross `crosswalk:` and the id of the crosswalk.
         opendrive_id: String,
     }
 }

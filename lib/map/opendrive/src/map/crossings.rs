@@ -1,6 +1,8 @@
-//! Which lanes a pedestrian crossing crosses.
+//! Which lanes a pedestrian crossing crosses, which lights hold their traffic, and from where to where it
+//! leads.
 
-use nalgebra::Point3;
+use frames::math::{atan2, sin_cos};
+use nalgebra::{Point3, Vector3};
 
 use super::area::ring_contains;
 use super::lanes::carries_vehicles;
@@ -14,6 +16,8 @@ const MAX_STEPS: f64 = 4096.0;
 const HALVINGS: u32 = 12;
 /// A crossing is on the lanes at most this far above or below it, metres.
 const STOREY_M: f64 = 2.0;
+/// A light this near to a crossing along a lane is the crossing's, too, metres.
+const AT_LIGHT_M: f64 = 12.0;
 
 /// A stretch of lane under a pedestrian crossing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +31,77 @@ pub struct CrosswalkSpan {
     pub along_m: [f64; 2],
 }
 
+/// From where to where a crossing leads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CrosswalkAxis {
+    /// The middles of its two short sides.
+    pub ends: [Point3<f64>; 2],
+    /// Half its width, metres.
+    pub half_width_m: f64,
+}
+
+impl Crosswalk {
+    /// The middles of the two short sides along the polygon's main direction; none for what has no length.
+    #[must_use]
+    pub fn axis(&self) -> Option<CrosswalkAxis> {
+        let polygon = &self.polygon;
+        let count = polygon.len();
+        if count < 3 {
+            return None;
+        }
+        let centre = polygon.iter().fold(Vector3::zeros(), |sum, p| sum + p.coords) / count as f64;
+        // Second moments of the corners; the main axis has the larger one.
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for p in polygon {
+            let d = p.coords - centre;
+            (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
+        }
+        let (sin, cos) = sin_cos(0.5 * atan2(2.0 * xy, xx - yy));
+        let reach = |p: &Point3<f64>| (p.x - centre.x) * cos + (p.y - centre.y) * sin;
+        let (low, high) =
+            polygon.iter().map(reach).fold((f64::MAX, f64::MIN), |(l, h), r| (l.min(r), h.max(r)));
+        let z = |wanted: f64| {
+            let nearest =
+                polygon.iter().min_by(|a, b| (reach(a) - wanted).abs().total_cmp(&(reach(b) - wanted).abs()));
+            nearest.map_or(centre.z, |p| p.z)
+        };
+        let at = |r: f64| Point3::new(centre.x + cos * r, centre.y + sin * r, z(r));
+        let across = |p: &Point3<f64>| ((p.y - centre.y) * cos - (p.x - centre.x) * sin).abs();
+        let half_width_m = polygon.iter().map(across).fold(f64::INFINITY, f64::min);
+        (high - low > 1.0).then(|| CrosswalkAxis { ends: [at(low), at(high)], half_width_m })
+    }
+
+    /// What the lights for those who walk over it are called: `crosswalk:` and its id.
+    #[must_use]
+    pub fn light_name(&self) -> String {
+        format!("crosswalk:{}", self.id)
+    }
+}
+
 impl Map {
+    /// The lights that hold the traffic which would go over a crosswalk next: indices into [`Map::signals`],
+    /// sorted. Computed anew by every call.
+    #[must_use]
+    pub fn crosswalk_signals(&self, crosswalk: usize) -> Vec<usize> {
+        let Some(known) = self.crosswalks.get(crosswalk) else { return Vec::new() };
+        let mut found: Vec<usize> = Vec::new();
+        for span in self.spans_of(crosswalk, known) {
+            let Some(lane) = self.lane(span.lane).filter(|lane| lane.lane_type.is_drivable()) else {
+                continue;
+            };
+            if span.along_m[0] < AT_LIGHT_M {
+                found.extend(self.signals_of_lane(span.lane));
+            }
+            if lane.s_length() - span.along_m[1] < AT_LIGHT_M {
+                found.extend(self.successors(span.lane).iter().flat_map(|id| self.signals_of_lane(*id)));
+            }
+        }
+        found.retain(|signal| self.signals[*signal].dynamic);
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     /// The lanes for vehicles whose centre line runs over each crosswalk, by crosswalk, then by lane.
     /// Computed anew by every call.
     #[must_use]
@@ -39,8 +113,7 @@ impl Map {
     fn spans_of(&self, index: usize, crosswalk: &Crosswalk) -> Vec<CrosswalkSpan> {
         let ring = &crosswalk.polygon;
         let count = ring.len().max(1) as f64;
-        let centre =
-            Point3::from(ring.iter().fold(nalgebra::Vector3::zeros(), |sum, p| sum + p.coords) / count);
+        let centre = Point3::from(ring.iter().fold(Vector3::zeros(), |sum, p| sum + p.coords) / count);
         let radius = ring.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
         let mut spans: Vec<CrosswalkSpan> = Vec::new();
         for hit in self.lanes_within(centre, radius, |lane| carries_vehicles(lane.lane_type)) {

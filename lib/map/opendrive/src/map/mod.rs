@@ -22,7 +22,7 @@ mod types;
 mod union;
 
 pub use area::{Area, Sidewalk};
-pub use crossings::CrosswalkSpan;
+pub use crossings::{CrosswalkAxis, CrosswalkSpan};
 pub use prepared::Map;
 pub use route::Ahead;
 pub use spawn::VEHICLE_LANE_WIDTH_M;

@@ -8,6 +8,9 @@ use schema::SignalState;
 use schema::scene_info::SignalGroupInfo;
 use settings::TrafficSettings;
 
+/// Lights that turned red this short a time ago are as good as some that stay red long enough, seconds.
+const JUST_RED_S: f64 = 2.0;
+
 /// When a signal is green within its junction's cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Phase {
@@ -125,6 +128,20 @@ impl Signals {
         } else {
             SignalState::Red
         }
+    }
+
+    /// Whether signals hold the traffic for so long: all are red, and turned so just now or stay so.
+    pub(crate) fn hold(&self, signals: &[usize], time_s: f64, for_s: f64) -> bool {
+        let red = |after_s: f64| {
+            let lights = signals.iter().map(|&s| self.state(s, time_s + after_s));
+            lights.filter(|l| *l != SignalState::Off).all(|l| l == SignalState::Red)
+        };
+        red(0.0) && (!red(-JUST_RED_S) || red(for_s))
+    }
+
+    /// Whether none of some signals is on.
+    pub(crate) fn are_off(&self, signals: &[usize], time_s: f64) -> bool {
+        signals.iter().all(|&s| self.state(s, time_s) == SignalState::Off)
     }
 
     /// The most restrictive of several signals; Off without any.

@@ -2,6 +2,7 @@
 
 pub(crate) mod free_space;
 pub(crate) mod initial_actors;
+pub(crate) mod lamps;
 pub(crate) mod log;
 pub(crate) mod placing;
 pub(crate) mod rolling;

@@ -3,7 +3,6 @@
 use catalogue::{Model, people};
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
-use opendrive::Map;
 use random::Stream;
 use schema::ObjectId;
 use schema::tables::ActorRow;
@@ -233,20 +232,6 @@ pub(crate) fn add_parked(fixed: &[ActorRow], net: &Net, kerbside: &mut Kerbside,
         bodies.fixed(&at, yaw_rad, size, Owner::Parked);
         kerbside.add(net, &at, yaw_rad, size);
     }
-}
-
-/// Traffic lights with the signals of the map that they show, by object id.
-pub(crate) fn lamps(map: &Map, fixed: &[ActorRow]) -> Vec<(ObjectId, usize)> {
-    let lights = fixed.iter().filter(|a| a.kind == ActorKind::TrafficLight);
-    let mut found: Vec<(ObjectId, usize)> = lights
-        .filter_map(|actor| {
-            let wanted = actor.opendrive_id.as_deref()?;
-            let signal = map.signals().iter().position(|s| s.dynamic && s.id == wanted)?;
-            Some((actor.id, signal))
-        })
-        .collect();
-    found.sort_unstable();
-    found
 }
 
 /// Object ids of a scene's actors, in the order of the log.

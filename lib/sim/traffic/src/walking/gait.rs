@@ -7,6 +7,11 @@ use schema::FRAME_PERIOD_S;
 
 /// Fastest change of velocity in the plane, and up and down, m/s2: 3 in all.
 pub(crate) const PUSH_MPS2: f64 = 2.6;
+
+/// How long somebody needs to get over a road and clear of it, from standing, seconds.
+pub(crate) fn needed_s(length_m: f64, speed_mps: f64) -> f64 {
+    length_m / speed_mps + 1.0 + speed_mps / PUSH_MPS2
+}
 const CLIMB_MPS2: f64 = 1.45;
 /// Nobody runs faster, m/s: joggers.
 pub(crate) const RUN_MPS: f64 = 3.3;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
-use opendrive::{LaneInfo, Map};
+use opendrive::{CrosswalkAxis, LaneInfo, Map};
 use random::Stream;
 
 use crate::road::centreline::Centreline;
@@ -22,8 +22,6 @@ const EDGE_M: f64 = 0.35;
 const BESIDE_M: f64 = 2.0;
 /// Longest way over a road, metres.
 const MAX_CROSSING_M: f64 = 60.0;
-/// A light this near to a crosswalk is the crosswalk's, too, metres.
-const AT_LIGHT_M: f64 = 12.0;
 /// How far from the straight line walkers are when they cross anywhere, and at most on crosswalks, metres.
 const BESIDE_LINE_M: [f64; 2] = [0.8, 2.0];
 
@@ -98,16 +96,16 @@ impl Paths {
     }
 
     fn add_crosswalks(&mut self, map: &Map, net: &Net) {
-        for crosswalk in map.crosswalks() {
-            let Some((ends, half_width)) = long_axis(&crosswalk.polygon) else { continue };
+        for (number, crosswalk) in map.crosswalks().iter().enumerate() {
+            let Some(CrosswalkAxis { ends, half_width_m }) = crosswalk.axis() else { continue };
             let doors = ends.map(|end| self.nearest(&end, DOOR_M));
             let [Some(a), Some(b)] = doors else { continue };
             if a.0 == b.0 || (ends[1] - ends[0]).norm() > MAX_CROSSING_M {
                 continue;
             }
-            let half_width_m = (half_width - EDGE_M).clamp(0.0, BESIDE_LINE_M[1]);
+            let half_width_m = (half_width_m - EDGE_M).clamp(0.0, BESIDE_LINE_M[1]);
             let lanes = lanes_on(net, &ends);
-            let signals = signals_of(net, &lanes);
+            let signals = map.crosswalk_signals(number);
             self.crossings.push(Crossing { ends, doors: [a, b], half_width_m, lanes, signals });
         }
     }
@@ -236,50 +234,6 @@ fn opposites(ways: &[Centreline]) -> Vec<Option<usize>> {
 /// Half of a width without its edges, metres.
 fn free_m(width_m: f64) -> f64 {
     (0.5 * width_m - EDGE_M).max(0.0)
-}
-
-/// The middles of the two short sides of a polygon's main direction, and half its width, metres.
-fn long_axis(polygon: &[Point3<f64>]) -> Option<([Point3<f64>; 2], f64)> {
-    let count = polygon.len();
-    if count < 3 {
-        return None;
-    }
-    let centre = polygon.iter().fold(Vector3::zeros(), |sum, p| sum + p.coords) / count as f64;
-    // Second moments of the corners; the main axis has the larger one.
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for p in polygon {
-        let d = p.coords - centre;
-        (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
-    }
-    let (sin, cos) = frames::math::sin_cos(0.5 * frames::math::atan2(2.0 * xy, xx - yy));
-    let reach = |p: &Point3<f64>| (p.x - centre.x) * cos + (p.y - centre.y) * sin;
-    let (low, high) = polygon.iter().map(reach).fold((f64::MAX, f64::MIN), |(l, h), r| (l.min(r), h.max(r)));
-    let z = |wanted: f64| {
-        let nearest =
-            polygon.iter().min_by(|a, b| (reach(a) - wanted).abs().total_cmp(&(reach(b) - wanted).abs()));
-        nearest.map_or(centre.z, |p| p.z)
-    };
-    let at = |r: f64| Point3::new(centre.x + cos * r, centre.y + sin * r, z(r));
-    let across = |p: &Point3<f64>| ((p.y - centre.y) * cos - (p.x - centre.x) * sin).abs();
-    let half_width = polygon.iter().map(across).fold(f64::INFINITY, f64::min);
-    (high - low > 1.0).then(|| ([at(low), at(high)], half_width))
-}
-
-/// Signals at whose lines traffic waits that would go over these places of lanes next.
-fn signals_of(net: &Net, places: &[(usize, f64, f64)]) -> Vec<usize> {
-    let mut found = Vec::new();
-    for &(lane, along_m, _) in places {
-        let facts = &net.lanes[lane];
-        if along_m < AT_LIGHT_M {
-            found.extend(&facts.signals);
-        }
-        if facts.centre.length_m - along_m < AT_LIGHT_M {
-            found.extend(facts.next.iter().flat_map(|&n| &net.lanes[n].signals));
-        }
-    }
-    found.sort_unstable();
-    found.dedup();
-    found
 }
 
 /// Driving lanes under a straight line.

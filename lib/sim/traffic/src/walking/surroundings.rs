@@ -9,11 +9,7 @@ use crate::vehicle::attention::Class;
 use crate::walking::fixtures::Fixtures;
 use crate::walking::paths::{Crossing, Paths};
 use crate::walking::routes::Routes;
-use schema::SignalState;
 
-/// A light that turned red for the traffic this short a time ago is as good as one that stays red long
-/// enough, seconds.
-const JUST_RED_S: f64 = 2.0;
 /// Vehicles are looked for this far upstream, metres.
 const LOOK_M: f64 = 60.0;
 
@@ -33,11 +29,7 @@ pub(crate) struct Surroundings<'a> {
 impl Surroundings<'_> {
     /// Whether the lights hold the traffic until a walker who needs this long is across.
     pub(crate) fn is_held(&self, crossing: &Crossing, needed_s: f64) -> bool {
-        let red = |after_s: f64| {
-            let lights = crossing.signals.iter().map(|&s| self.signals.state(s, self.time_s + after_s));
-            lights.filter(|l| *l != SignalState::Off).all(|l| l == SignalState::Red)
-        };
-        red(0.0) && (!red(-JUST_RED_S) || red(needed_s))
+        self.signals.hold(&crossing.signals, self.time_s, needed_s)
     }
 
     /// Whether the road is clear for so long, or if that is enough, whether everyone can stop.

@@ -13,7 +13,7 @@ use crate::walking::crowd::{Crowd, DesiredVelocity, radius_m};
 use crate::walking::dodging;
 use crate::walking::fixtures::Fixtures;
 use crate::walking::gait::{
-    Gait, PUSH_MPS2, RUN_MPS, Rolling, STANDS_MPS, before, climbed, pushed, share_of_speed, stopping_way,
+    Gait, RUN_MPS, Rolling, STANDS_MPS, before, climbed, needed_s, pushed, share_of_speed, stopping_way,
 };
 use crate::walking::paths::{Crossing, Paths};
 use crate::walking::routes::{Leg, Route, Routes, Turn};
@@ -654,7 +654,7 @@ impl Walker {
     /// also whether they hold the traffic, but for those who cross anywhere.
     fn may_go(&self, around: &Surroundings<'_>, crossing: &Crossing, impatient: bool) -> bool {
         let length = (crossing.ends[1] - crossing.ends[0]).norm();
-        let needed_s = length / self.speed_mps + 1.0 + self.speed_mps / PUSH_MPS2;
+        let needed_s = needed_s(length, self.speed_mps);
         let lights = !crossing.signals.is_empty();
         let held = lights && around.is_held(crossing, needed_s);
         (!lights || held || self.anywhere) && around.is_clear(crossing, needed_s, impatient || held)

@@ -45,7 +45,6 @@ pub(crate) struct House<'a> {
     /// Where its middle is along the frontage, metres.
     pub(crate) along_m: f64,
     pub(crate) near_z_m: f64,
-    yaw_rad: f64,
     pub(crate) kind: &'static BuildingKind,
     floors: f64,
     /// From the edge of the street to the building, metres.
@@ -106,14 +105,13 @@ pub(crate) fn buildings<'a>(
             else {
                 continue;
             };
-            let (near_z_m, yaw_rad) = (middle.point.z, middle.facing_yaw());
+            let near_z_m = middle.point.z;
             let rank = rank(site.rules.seed, "world/buildings/rank", front.entity, slot);
             let (width_m, is_in_town) = (2.0 * rect.half_m[1], town);
             let what = House {
                 front,
                 along_m,
                 near_z_m,
-                yaw_rad,
                 kind,
                 floors,
                 setback_m,
@@ -187,8 +185,9 @@ fn on_the_ground(site: &Site<'_>, rect: &OrientedRect, house: &House<'_>) -> Opt
     } + (high - low);
     let xyz = [rect.centre_m[0], rect.centre_m[1], low - 0.1];
     let size = [2.0 * rect.half_m[0], 2.0 * rect.half_m[1], height];
-    let mut draft =
-        Draft::new(ActorKind::Building, house.kind.model, Tag::Building, size, xyz, house.yaw_rad);
+    // It stands as its lot lies, whose middle may be farther along a bend than where it was drawn.
+    let yaw_rad = frames::math::atan2(rect.axis[1], rect.axis[0]);
+    let mut draft = Draft::new(ActorKind::Building, house.kind.model, Tag::Building, size, xyz, yaw_rad);
     draft.variant = house.variant;
     Some(draft)
 }

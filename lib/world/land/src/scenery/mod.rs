@@ -30,6 +30,7 @@ mod draw;
 mod forecourts;
 mod frontage;
 mod furniture;
+mod gardens;
 mod islands;
 mod kinds;
 mod land;
@@ -41,6 +42,7 @@ mod plots;
 mod racks;
 mod signs;
 mod site;
+mod style;
 mod swept;
 mod trees;
 mod uses;
@@ -50,9 +52,10 @@ use catalogue::Catalogue;
 use schema::tables::TileObjectRow;
 use settings::SceneryRules;
 
-pub use furniture::{FURNITURE, FurnitureFront, FurnitureKind, FurniturePlace, FurnitureStyle};
+pub use furniture::{FURNITURE, FurnitureFront, FurnitureKind, FurniturePlace};
 pub use kinds::{BUILDINGS, BuildingKind, TREES, TreeKind};
 pub use signs::{PLATES, Plate};
+pub use style::FurnitureStyle;
 
 use draft::Draft;
 use islands::Islands;
@@ -89,8 +92,10 @@ pub fn place(ground: &AreaGround<'_>, rules: &SceneryRules, catalogue: &Catalogu
     let mut built = Land::new(&ground.levels, tracks);
     houses.iter().for_each(|house| built.take(house.takes));
     furniture::lamps(&site, &fronts, &mut land, &mut drafts);
+    furniture::utility(&site, &fronts, &houses, &mut land, &mut drafts);
     plots::borders(&site, &houses, &mut land, &mut drafts);
     let paved = forecourts::forecourts(&site, &houses, &land, &mut drafts);
+    gardens::gardens(&site, &houses, &paved, &mut land, &mut drafts);
     let uses = Uses::new(&site, &fronts);
     let mut open = land.clone();
     paved.take(&mut open);
@@ -254,30 +259,6 @@ pub(crate) mod tests {
         for (name, map) in testkit::real_maps(&["Town03", "Town04"]) {
             check_signs(name, &map, [-256.0, -256.0], 512.0, 10);
         }
-    }
-
-    #[test]
-    fn wide_approaches_have_a_second_light_across_the_junction() {
-        let map = town_map("convoy/08");
-        let lights = all_of(&map, [-256.0, -256.0], 512.0);
-        let lights: Vec<_> = lights.iter().filter(|o| o.kind == ActorKind::TrafficLight).collect();
-        let mut pairs = 0;
-        for (i, light) in lights.iter().enumerate() {
-            for second in lights[..i].iter().filter(|other| other.opendrive_id == light.opendrive_id) {
-                pairs += 1;
-                let away = nalgebra::Vector2::new(
-                    second.xyz_m[0] - light.xyz_m[0],
-                    second.xyz_m[1] - light.xyz_m[1],
-                );
-                // Both look the same way; one is behind the other as its traffic sees them, on the same side
-                // of a wide street.
-                assert!(frames::wrap_pi(yaw(light) - yaw(second)).abs() < 0.2);
-                let (sin, cos) = frames::math::sin_cos(yaw(light));
-                let (behind, aside) = (away.x * cos + away.y * sin, away.y * cos - away.x * sin);
-                assert!((10.0..60.0).contains(&behind.abs()) && aside.abs() < 15.0, "{behind} {aside}");
-            }
-        }
-        assert!(pairs > 4, "{pairs}");
     }
 
     /// Whether two vehicles' footprints meet.

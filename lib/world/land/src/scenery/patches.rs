@@ -141,7 +141,7 @@ impl Cover<'_, '_> {
     fn fits(&self, rect: &OrientedRect) -> bool {
         let is_free =
             self.land.unused(rect) && self.land.off_road(&rect.grown(CLEAR_M)) && self.land.is_dry(rect);
-        is_free && self.plane(rect).is_some()
+        is_free && plane(self.site, rect).is_some()
     }
 
     /// Puts a patch on some ground.
@@ -151,40 +151,51 @@ impl Cover<'_, '_> {
         // Patches of one field are of one colour.
         let colour = self.uses.colour(x, y) % COLOURS;
         let variant = self.random.next_u32() % SHAPES + SHAPES * colour;
-        let Some((z_m, [ahead, left])) = self.plane(rect) else { return };
-        let [cos, sin] = rect.axis;
-        let pitch_rad = -frames::math::atan2(ahead, 1.0);
-        let roll_rad = frames::math::atan2(left * frames::math::sin_cos(pitch_rad).1, 1.0);
-        let yaw_rad = frames::math::atan2(sin, cos);
-        let size_m = [2.0 * rect.half_m[0], 2.0 * rect.half_m[1], height_m];
-        let xyz = [x, y, z_m - ROOT_M];
-        let mut draft = Draft::new(ActorKind::Vegetation, kind.model, Tag::Vegetation, size_m, xyz, yaw_rad);
-        draft.rpy_rad = [roll_rad, pitch_rad, yaw_rad];
-        draft.variant = variant;
-        self.drafts.push(draft);
+        self.drafts.extend(lie(self.site, rect, (kind.model, height_m, variant)));
     }
+}
 
-    /// Height of the land in the middle of a rectangle, and its rise along its sides; none where it is
-    /// uneven.
-    fn plane(&self, rect: &OrientedRect) -> Option<(f64, [f64; 2])> {
-        let terrain = &self.site.levels().terrain;
-        let at = |u: f64, v: f64| {
-            let [x, y] = rect.at(u, v);
-            terrain.height(x, y)
-        };
-        let [a, b, c, d] = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(u, v)| at(u, v));
-        let middle_m = 0.25 * (a + b + c + d);
-        let [half_x, half_y] = rect.half_m;
-        let [ahead, left] = [(b - a + d - c) / (4.0 * half_x), (c - a + d - b) / (4.0 * half_y)];
-        let is_even = (-2..=2).all(|i| {
-            (-2..=2).all(|j| {
-                let (u, v) = (0.5 * f64::from(i), 0.5 * f64::from(j));
-                let plane = middle_m + half_x * u * ahead + half_y * v * left;
-                (at(u, v) - plane).abs() <= FLAT_M
-            })
-        });
-        (is_even && ahead * ahead + left * left < STEEPEST * STEEPEST).then_some((middle_m, [ahead, left]))
-    }
+/// Plants of a model, a height and a variant that fill a rectangle and lie on its ground; none where that is
+/// uneven.
+pub(crate) fn lie(
+    site: &Site<'_>,
+    rect: &OrientedRect,
+    (model, height_m, variant): (&str, f64, u32),
+) -> Option<Draft> {
+    let (z_m, [ahead, left]) = plane(site, rect)?;
+    let [cos, sin] = rect.axis;
+    let [x, y] = rect.centre_m;
+    let pitch_rad = -frames::math::atan2(ahead, 1.0);
+    let roll_rad = frames::math::atan2(left * frames::math::sin_cos(pitch_rad).1, 1.0);
+    let yaw_rad = frames::math::atan2(sin, cos);
+    let size_m = [2.0 * rect.half_m[0], 2.0 * rect.half_m[1], height_m];
+    let xyz = [x, y, z_m - ROOT_M];
+    let mut draft = Draft::new(ActorKind::Vegetation, model, Tag::Vegetation, size_m, xyz, yaw_rad);
+    draft.rpy_rad = [roll_rad, pitch_rad, yaw_rad];
+    draft.variant = variant;
+    Some(draft)
+}
+
+/// Height of the land in the middle of a rectangle, and its rise along its sides; none where it is
+/// uneven.
+fn plane(site: &Site<'_>, rect: &OrientedRect) -> Option<(f64, [f64; 2])> {
+    let terrain = &site.levels().terrain;
+    let at = |u: f64, v: f64| {
+        let [x, y] = rect.at(u, v);
+        terrain.height(x, y)
+    };
+    let [a, b, c, d] = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(u, v)| at(u, v));
+    let middle_m = 0.25 * (a + b + c + d);
+    let [half_x, half_y] = rect.half_m;
+    let [ahead, left] = [(b - a + d - c) / (4.0 * half_x), (c - a + d - b) / (4.0 * half_y)];
+    let is_even = (-2..=2).all(|i| {
+        (-2..=2).all(|j| {
+            let (u, v) = (0.5 * f64::from(i), 0.5 * f64::from(j));
+            let plane = middle_m + half_x * u * ahead + half_y * v * left;
+            (at(u, v) - plane).abs() <= FLAT_M
+        })
+    });
+    (is_even && ahead * ahead + left * left < STEEPEST * STEEPEST).then_some((middle_m, [ahead, left]))
 }
 
 /// The ground of a patch of some length and width; its rows run along its length.
@@ -214,11 +225,18 @@ mod tests {
             let ground = atlas.ground(&Region { min: corner, max: corner.map(|v| v + side) });
             let solid = |model: &str| model.starts_with("building.") || model.starts_with("car.");
             let solids: Vec<_> = objects.iter().filter(|o| solid(&o.model)).map(footprint).collect();
-            for patch in objects.iter().filter(|o| o.model.starts_with("plant.")) {
+            // Creepers are on walls.
+            let lies = |model: &str| model.starts_with("plant.") && model != "plant.climber";
+            for patch in objects.iter().filter(|o| lies(&o.model)) {
                 *seen.entry(patch.model.clone()).or_default() += 1;
                 let rect = footprint(patch);
                 assert!(!meets_lanes(&map, &rect, patch.xyz_m[2]), "{name}: {:?}", patch.xyz_m);
-                assert!(!solids.iter().any(|solid| solid.meets(&rect)), "{name}: {:?}", patch.xyz_m);
+                assert!(
+                    !solids.iter().any(|solid| solid.meets(&rect)),
+                    "{name}: {} {:?}",
+                    patch.model,
+                    patch.xyz_m
+                );
                 // Its corners and sides lie on the land.
                 let world_from_patch = Pose::<World, Object>::from_xyz_wxyz(patch.xyz_m, patch.quaternion);
                 for (u, v) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (0.0, 1.0), (1.0, 0.0)] {
@@ -230,7 +248,7 @@ mod tests {
                 }
             }
         }
-        for model in ["meadow", "shrubs", "maize", "wheat", "vines"] {
+        for model in ["meadow", "shrubs", "maize", "wheat", "vines", "flowers"] {
             assert!(seen.get(&format!("plant.{model}")).is_some_and(|n| *n > 10), "{model}: {seen:?}");
         }
     }

@@ -38,8 +38,10 @@ pub(crate) mod reach_m {
     pub(crate) const TREES: f64 = BUSHES + 2.3 + 3.6;
     /// Pieces of fences: of 3.1.
     pub(crate) const FENCES: f64 = TREES + 6.0 + 6.2;
+    /// Poles of lines: a pole and its wires in the area depend on the next one, up to 54 away.
+    pub(crate) const UTILITY: f64 = 60.0;
     /// Street lamps: of 0.5.
-    pub(crate) const LAMPS: f64 = FENCES + 3.6 + 1.0;
+    pub(crate) const LAMPS: f64 = UTILITY + 0.5 + 1.0;
     /// Parked vehicles: buses of 6.3.
     pub(crate) const PARKED: f64 = LAMPS + 6.8 + 12.6;
     /// Buildings that were kept: a border is up to 42 from the middle of its building.

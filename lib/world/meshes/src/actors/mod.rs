@@ -36,6 +36,7 @@ mod posture;
 mod props;
 mod rig;
 mod sign;
+mod signal;
 mod skin;
 mod street;
 mod tanks;
@@ -44,6 +45,7 @@ mod two_wheeler;
 mod warning;
 mod wheel;
 mod wheelchair;
+mod wires;
 mod works;
 
 use std::sync::Arc;
@@ -96,7 +98,10 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
     match family {
         "building" => in_two(FAR_BUILDING_M, |detail| building::building(kind, size, variant, detail)),
         "tree" | "bush" | "plant" => plants::plant(family, kind, size, variant),
-        "light" | "sign" | "pole" | "rsu" => street::street(family, kind, size, variant)
+        "light" => in_two(FAR_STREET_M, |detail| signal::light(kind, size, variant, detail)),
+        "pole" if kind == "wires" => Some(wires::wires(size, variant)),
+        "pole" if kind == "lamp" => in_two(FAR_STREET_M, |detail| Some(street::lamp(size, detail))),
+        "sign" | "pole" | "rsu" => street::street(family, kind, size, variant)
             .and_then(fixed)
             .or_else(|| furniture::thing(family, kind, size, variant)),
         "prop" if props::BORDERS.contains(&kind) => {
@@ -110,8 +115,9 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
     }
 }
 
-/// From where on buildings, and fences, are made of fewer pieces, metres.
+/// From where on buildings, fences, and lights and lamps of streets are made of fewer pieces, metres.
 const FAR_BUILDING_M: f64 = 70.0;
+const FAR_STREET_M: f64 = 50.0;
 const FAR_BORDER_M: f64 = 30.0;
 
 /// Something that never moves, made for close by and for farther away.

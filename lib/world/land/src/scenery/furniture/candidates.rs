@@ -9,7 +9,8 @@ use random::Stream;
 use schema::ActorKind;
 
 use super::doorways::doorway;
-use super::kinds::{FURNITURE, FurnitureFront, FurnitureKind, FurniturePlace, FurnitureStyle};
+use super::kinds::{FURNITURE, FurnitureFront, FurnitureKind, FurniturePlace};
+use super::street::{WIDE_WALK_M, street};
 use crate::scenery::claims::{Candidate, Rank, rank};
 use crate::scenery::draft::Draft;
 use crate::scenery::forecourts::Forecourts;
@@ -17,11 +18,10 @@ use crate::scenery::frontage::{Frontage, Spot};
 use crate::scenery::land::Land;
 use crate::scenery::lots::House;
 use crate::scenery::site::{FOOT_M, Site, reach_m};
+use crate::scenery::style::FurnitureStyle;
 use crate::scenery::swept::is_swept;
 use crate::surfaces::{Ground, beside_edge};
 
-/// Sidewalks of this width are wide enough for things at the kerb, metres.
-const WIDE_WALK_M: f64 = 2.5;
 /// Of such a sidewalk at least so much stays free for walkers, metres.
 const CLEAR_M: f64 = 1.5;
 /// Sidewalks are looked for within this distance of a thing, metres.
@@ -104,9 +104,6 @@ pub(super) struct Placer<'a> {
     style: FurnitureStyle,
 }
 
-/// Share of towns that are furnished as in North America.
-const AMERICAN: f64 = 0.4;
-
 impl<'a> Placer<'a> {
     pub(super) fn new(
         site: &'a Site<'a>,
@@ -117,15 +114,13 @@ impl<'a> Placer<'a> {
         houses.iter().for_each(|house| ways.take(doorway(house)));
         let corners = site.map.crosswalks().iter().flat_map(|crosswalk| &crosswalk.polygon);
         let near = |p: &&Point3<f64>| site.near(p.x, p.y, 2.0 * reach_m::FURNITURE + SIGHT_M);
-        let roads = site.map.network().roads.len() as u64;
-        let american = Stream::new(site.rules.seed, 0, "world/furniture/style", roads).chance(AMERICAN);
         Self {
             site,
             land,
             paved,
             ways,
             crosswalks: corners.filter(near).copied().collect(),
-            style: if american { FurnitureStyle::American } else { FurnitureStyle::European },
+            style: site.style(),
         }
     }
 
@@ -353,17 +348,6 @@ impl<'a> Placer<'a> {
 fn shares() -> impl Iterator<Item = [f64; 2]> {
     let steps = [-1.0, -0.5, 0.0, 0.5, 1.0];
     [-1.0, 0.0, 1.0].into_iter().flat_map(move |u| steps.into_iter().map(move |v| [u, v]))
-}
-
-/// Which of the three sorts of street a place belongs to: with a narrow sidewalk, with a wide one, without.
-pub(super) fn street(spot: &Spot) -> usize {
-    if spot.walk_m <= 0.0 {
-        2
-    } else if spot.walk_m < WIDE_WALK_M {
-        0
-    } else {
-        1
-    }
 }
 
 /// How far beyond the outer edge the middle of a kind is that stands next to it, metres.

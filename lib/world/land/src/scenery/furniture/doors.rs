@@ -2,9 +2,10 @@
 
 use random::Stream;
 
-use super::candidates::{Placer, Thing, Wanted, beyond_edge_m, extent_m, street};
+use super::candidates::{Placer, Thing, Wanted, beyond_edge_m, extent_m};
 use super::doorways::HALF_WAY_M;
 use super::kinds::FurniturePlace;
+use super::street::street;
 use crate::scenery::claims::Candidate;
 use crate::scenery::lots::House;
 

@@ -3,6 +3,8 @@
 
 use schema::{ActorKind, Tag};
 
+use crate::scenery::style::FurnitureStyle;
+
 /// Where a kind of furniture stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FurniturePlace {
@@ -20,17 +22,21 @@ pub enum FurniturePlace {
     Door(&'static [&'static str]),
     /// Beyond the outer edge before such buildings, where the grass beside the street ends.
     Yard(&'static [&'static str]),
-    /// In a line beside a road without sidewalk, so many metres beyond its edge: one every so many metres,
-    /// and on one side alone or on both.
+    /// In a line on both sides of a road without sidewalk.
     Line {
         /// From the edge, metres.
         beyond_m: f64,
+        /// Distance between two, metres.
+        apart_m: f64,
+    },
+    /// In such a line on one side of a road, with wires from one to the next.
+    Wired {
+        /// From the edge of a road without sidewalk, metres.
+        beyond_m: f64,
         /// Shortest and longest distance between two, metres.
         apart_m: [f64; 2],
-        /// Whether they stand on both sides.
-        both: bool,
     },
-    /// Piece by piece along fast roads without sidewalk, so many metres beyond the edge.
+    /// Piece by piece along fast roads without sidewalk, so many metres beyond the edge, and on medians.
     Rail(f64),
 }
 
@@ -41,17 +47,6 @@ pub enum FurnitureFront {
     Road,
     /// At the traffic of its side of the road.
     Traffic,
-}
-
-/// Towns have furniture of one style or of the other one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FurnitureStyle {
-    /// In all towns.
-    Any,
-    /// As in North America.
-    American,
-    /// As in Europe.
-    European,
 }
 
 /// A kind of street furniture.
@@ -89,7 +84,7 @@ impl FurnitureKind {
     }
 }
 
-use FurniturePlace::{Beyond, Door, Kerb, KerbOrBeyond, Line, Parking, Rail, Verge, Yard};
+use FurniturePlace::{Beyond, Door, Kerb, KerbOrBeyond, Line, Parking, Rail, Verge, Wired, Yard};
 
 const fn kind(
     model: &'static str,
@@ -131,8 +126,8 @@ const HOUSES: &[&str] = &["building.house"];
 const LARGE: &[&str] = &["building.block", "building.tower", "building.shop", "building.hall"];
 
 /// Delineators on both sides, poles of lines on one.
-const DELINEATORS: FurniturePlace = Line { beyond_m: 0.6, apart_m: [50.0, 50.0], both: true };
-const POLES: FurniturePlace = Line { beyond_m: 2.6, apart_m: [36.0, 48.0], both: false };
+const DELINEATORS: FurniturePlace = Line { beyond_m: 0.6, apart_m: 50.0 };
+const POLES: FurniturePlace = Wired { beyond_m: 2.6, apart_m: [34.0, 46.0] };
 
 /// All kinds. None has a diagonal of more than 4.8 m: what is placed around them depends on that
 /// (`site::reach_m`).
@@ -180,6 +175,6 @@ pub const FURNITURE: [FurnitureKind; 40] = [
     kind("prop.cafe", [2.0, 4.0, 2.94], Tag::Dynamic, Door(SHOPS), [0.20, 0.25, 0.0], 6).on_foot(0.46).with(&[Tag::Static, Tag::Other]),
     // Country roads.
     kind("prop.delineator", [0.13, 0.13, 1.0], Tag::Pole, DELINEATORS, [0.0, 0.0, 1.0], 1),
-    kind("pole.utility", [2.4, 0.9, 9.5], Tag::Pole, POLES, [0.7, 0.4, 0.9], 3),
+    kind("pole.utility", [2.4, 0.9, 9.5], Tag::Pole, POLES, [0.8, 0.7, 0.9], 3),
     kind("prop.guard_rail", [0.3, 4.0, 0.75], Tag::GuardRail, Rail(0.78), [0.0, 0.0, 1.0], 1),
 ];

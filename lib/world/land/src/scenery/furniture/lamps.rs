@@ -13,10 +13,15 @@ use crate::scenery::site::{FOOT_M, POLE_M, Site, reach_m};
 use crate::scenery::swept::is_swept;
 use crate::surfaces::Ground;
 
+/// Length with its arm, width and height of a lamp, and of one beside several lanes or a fast road, metres.
 const LAMP_M: [f64; 3] = [2.4, 0.28, 7.5];
+const TALL_LAMP_M: [f64; 3] = [2.8, 0.36, 9.5];
+/// As many lanes to one side have tall lamps.
+const TALL_LANES: usize = 2;
 
 /// A street lamp: its foot's place and the middle of its box.
 struct Lamp {
+    size_m: [f64; 3],
     middle: Point3<f64>,
     z_m: f64,
     yaw_rad: f64,
@@ -37,7 +42,8 @@ pub(crate) fn lamps(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, d
                 break;
             }
             let Some(spot) = front.at(along) else { break };
-            if let Some(lamp) = lamp_at(site, &spot, fast, land) {
+            let size_m = if fast || front.traffic.lanes >= TALL_LANES { TALL_LAMP_M } else { LAMP_M };
+            if let Some(lamp) = lamp_at(site, &spot, (fast, size_m), land) {
                 let rank = rank(site.rules.seed, "world/lamps/rank", front.entity, slot.into());
                 let foot = spot.foot(fast);
                 let foot = OrientedRect::square([foot.x, foot.y], FOOT_M);
@@ -45,15 +51,15 @@ pub(crate) fn lamps(site: &Site<'_>, fronts: &[Frontage], land: &mut Land<'_>, d
             }
         }
     }
-    for Candidate { takes, what: Lamp { middle, z_m, yaw_rad }, .. } in settle(candidates, land) {
+    for Candidate { takes, what: Lamp { size_m, middle, z_m, yaw_rad }, .. } in settle(candidates, land) {
         if site.holds(takes.centre_m[0], takes.centre_m[1]) {
             let xyz = [middle.x, middle.y, z_m];
-            drafts.push(Draft::new(ActorKind::Pole, "pole.lamp", Tag::Pole, LAMP_M, xyz, yaw_rad));
+            drafts.push(Draft::new(ActorKind::Pole, "pole.lamp", Tag::Pole, size_m, xyz, yaw_rad));
         }
     }
 }
 
-fn lamp_at(site: &Site<'_>, spot: &Spot, fast: bool, land: &Land<'_>) -> Option<Lamp> {
+fn lamp_at(site: &Site<'_>, spot: &Spot, (fast, size_m): (bool, [f64; 3]), land: &Land<'_>) -> Option<Lamp> {
     let foot = spot.foot(fast);
     if !site.near(foot.x, foot.y, reach_m::LAMPS) {
         return None;
@@ -65,9 +71,9 @@ fn lamp_at(site: &Site<'_>, spot: &Spot, fast: bool, land: &Land<'_>) -> Option<
     }
     let z_m = site.levels().height(foot.x, foot.y, spot.point.z);
     // The pole stands at the rear end of the lamp's box.
-    let middle = spot.beside(spot.pole_m(fast) - 0.5 * LAMP_M[0] + 0.13, 0.0);
+    let middle = spot.beside(spot.pole_m(fast) - 0.5 * size_m[0] + 0.13, 0.0);
     // Beside a bridge the ground is too low for a lamp to light the deck.
-    ((z_m - spot.point.z).abs() <= 1.0).then_some(Lamp { middle, z_m, yaw_rad: spot.facing_yaw() })
+    ((z_m - spot.point.z).abs() <= 1.0).then_some(Lamp { size_m, middle, z_m, yaw_rad: spot.facing_yaw() })
 }
 
 impl Spot {

@@ -6,14 +6,18 @@ mod doorways;
 mod kinds;
 mod lamps;
 mod lines;
+mod rails;
 mod small;
+mod street;
 #[cfg(test)]
 mod tests;
+mod utility;
 
-pub use kinds::{FURNITURE, FurnitureFront, FurnitureKind, FurniturePlace, FurnitureStyle};
+pub use kinds::{FURNITURE, FurnitureFront, FurnitureKind, FurniturePlace};
 
 pub(crate) use lamps::lamps;
 pub(crate) use small::small_things;
+pub(crate) use utility::utility;
 
 use crate::scenery::claims::{Candidate, settle};
 use crate::scenery::draft::Draft;
@@ -41,10 +45,11 @@ pub(crate) fn things(
     for front in fronts.iter().filter(|front| !front.track) {
         for (number, kind) in placer.kinds() {
             match kind.place {
-                FurniturePlace::Door(_) | FurniturePlace::Yard(_) => {}
+                FurniturePlace::Door(_) | FurniturePlace::Yard(_) | FurniturePlace::Wired { .. } => {}
                 FurniturePlace::Line { .. } => lines::line(&placer, (number, kind), front, &mut candidates),
                 FurniturePlace::Rail(beyond_m) => {
-                    lines::rails(&placer, (number, kind), beyond_m, front, &mut candidates);
+                    rails::rails(&placer, (number, kind), beyond_m, front, &mut candidates);
+                    rails::on_median(&placer, (number, kind), front, &mut candidates);
                 }
                 _ => placer.along((number, kind), front, &mut candidates),
             }

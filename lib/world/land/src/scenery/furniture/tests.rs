@@ -11,6 +11,7 @@ use schema::{ActorKind, Tag};
 use settings::SceneryRules;
 
 use super::kinds::{FURNITURE, FurnitureKind};
+use super::utility::WIRES;
 use crate::scenery::place;
 use crate::scenery::site::reach_m;
 use crate::surfaces::{Atlas, Region};
@@ -114,8 +115,9 @@ fn nothing_stands_in_another_thing() {
     for town in towns() {
         // What stands on the ground, with its ground; what hangs over it does not count.
         // Plants of the land are anywhere, and paving is what is stood on.
-        let is_solid =
-            |o: &&TileObjectRow| !o.model.starts_with("plant.") && footprint(&o.actor(1)).is_some();
+        let is_solid = |o: &&TileObjectRow| {
+            !o.model.starts_with("plant.") && o.model != WIRES && footprint(&o.actor(1)).is_some()
+        };
         let all: Vec<(&TileObjectRow, OrientedRect)> = town
             .objects
             .iter()
@@ -252,4 +254,91 @@ fn rails_follow_fast_roads_without_a_break() {
         all += rails.len();
     }
     assert!(all > 300, "{all}");
+}
+
+#[test]
+fn wires_hang_from_pole_to_pole_over_everything() {
+    let mut spans = 0;
+    for town in towns() {
+        let poles: Vec<&TileObjectRow> = town.objects.iter().filter(|o| o.model == "pole.utility").collect();
+        // Where the insulators of an arm are: of the outermost two.
+        let held = |o: &TileObjectRow| {
+            let pose = frames::Pose::<frames::World, frames::Object>::from_xyz_wxyz(o.xyz_m, o.quaternion);
+            [-1.0, 1.0]
+                .map(|side| pose.isometry() * Point3::new(side * 0.94 * 1.18, 0.10, 0.93 * o.height_m + 0.20))
+        };
+        let all: Vec<[Point3<f64>; 2]> = poles.iter().map(|pole| held(pole)).collect();
+        let houses: Vec<OrientedRect> =
+            town.objects.iter().filter(|o| o.kind == ActorKind::Building).map(ground).collect();
+        let mut holding = vec![0; poles.len()];
+        for wires in town.objects.iter().filter(|o| o.model == WIRES) {
+            spans += 1;
+            let [x, y, _] = wires.xyz_m;
+            assert!((20.0..54.1).contains(&wires.length_m), "{}: {}", town.name, wires.length_m);
+            let pose =
+                frames::Pose::<frames::World, frames::Object>::from_xyz_wxyz(wires.xyz_m, wires.quaternion);
+            let turns = [wires.variant & 0x1ff, wires.variant >> 9].map(|turn| f64::from(turn) - 180.0);
+            for (side, turn) in [-0.5, 0.5].into_iter().zip(turns) {
+                let (s, c) = frames::math::sin_cos(turn.to_radians());
+                let ends = [-1.0, 1.0].map(|of| {
+                    let across = of * 0.94 * 1.18;
+                    let end = [side * wires.length_m + across * c, across * s, wires.height_m - 0.05];
+                    pose.isometry() * Point3::from(end)
+                });
+                let off =
+                    |at: &[Point3<f64>; 2]| (0..2).map(|k| (at[k] - ends[k]).norm()).fold(0.0, f64::max);
+                let (nearest, gap) = all
+                    .iter()
+                    .enumerate()
+                    .map(|(i, at)| (i, off(at)))
+                    .min_by(|a, b| a.1.total_cmp(&b.1))
+                    .expect("a pole");
+                let inside = x.abs().max(y.abs()) < 480.0;
+                assert!(!inside || gap < 0.02, "{}: {gap} m at {x} {y}", town.name);
+                if gap < 0.02 {
+                    holding[nearest] += 1;
+                }
+            }
+            let below = OrientedRect::new([x, y], pose.yaw(), [0.5 * wires.length_m, 1.15]);
+            for [x, y] in places(&below) {
+                let low = town.map.lanes_within(Point3::new(x, y, wires.xyz_m[2]), 12.0, |_| true);
+                let inside = low.iter().filter(|hit| hit.is_inside());
+                for lane in inside.filter_map(|hit| town.map.lane_point(hit.lane, hit.s, hit.t_m)) {
+                    assert!(wires.xyz_m[2] - lane.position.z > 6.0, "{}: at {x} {y}", town.name);
+                }
+            }
+            assert!(!houses.iter().any(|house| house.meets(&below)), "{}: at {x} {y}", town.name);
+        }
+        for (pole, count) in poles.iter().zip(holding) {
+            let inside = pole.xyz_m[0].abs().max(pole.xyz_m[1].abs()) < 450.0;
+            assert!(!inside || (1..=2).contains(&count), "{}: {count} at {:?}", town.name, pole.xyz_m);
+        }
+    }
+    assert!(spans > 60, "{spans}");
+}
+
+#[test]
+fn rails_on_medians_look_at_the_traffic_beside_them() {
+    let map = Map::new(town::generate(&town::named("convoy/04").expect("a town of ours")).expect("roads"));
+    let area = Region { min: [-512.0; 2], max: [512.0; 2] };
+    let objects =
+        place(&Atlas::new(&map).ground(&area), &SceneryRules::default(), catalogue::Catalogue::built_in());
+    let mut on_medians = 0;
+    for rail in objects.iter().filter(|o| o.model == "prop.guard_rail") {
+        let rect = ground(rail);
+        for [x, y] in places(&rect) {
+            let on = map.lanes_within(Point3::new(x, y, rail.xyz_m[2]), 4.0, is_for_vehicles);
+            assert!(!on.iter().any(|hit| hit.is_inside()), "{:?}", rail.xyz_m);
+        }
+        let middle = Point3::from(rail.xyz_m);
+        let on = map.lanes_within(middle, 4.0, |lane| lane.lane_type == LaneType::Median);
+        if !on.iter().any(|hit| hit.is_inside()) {
+            continue;
+        }
+        on_medians += 1;
+        let [x, y] = rect.at(1.0 + 3.0 / rect.half_m[0], 0.0);
+        let ahead = map.lanes_within(Point3::new(x, y, rail.xyz_m[2]), 4.0, is_for_vehicles);
+        assert!(ahead.iter().any(|hit| hit.is_inside()), "{:?}", rail.xyz_m);
+    }
+    assert!(on_medians > 20, "{on_medians}");
 }

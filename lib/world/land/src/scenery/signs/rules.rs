@@ -162,7 +162,7 @@ fn streets(side: &mut Side<'_>, random: &mut Stream) {
         (say("bus_stop_no_parking"), 0.1),
     ];
     let kinds: &[(Meaning, f64)] = if side.front.traffic.parks { &parked } else { &empty };
-    side.row(random, [15.0, 330.0], [160.0, 330.0], kinds);
+    side.row(random, [14.0, 150.0], [80.0, 150.0], kinds);
     let others = [
         (say("school_zone"), 0.25),
         (say("frequent_pedestrian_cyclist"), 0.2),
@@ -172,7 +172,7 @@ fn streets(side: &mut Side<'_>, random: &mut Stream) {
         (say("cross_only_at_crosswalk"), 0.15),
     ];
     side.row(random, [30.0, 900.0], [500.0, 900.0], &others);
-    if random.chance(0.12) && side.length_m > 40.0 {
+    if random.chance(0.4) && side.length_m > 40.0 {
         side.wish(side.length_m - 3.0, say("street_name"));
     }
     if side.front.traffic.one_way_street && side.length_m > 30.0 {

@@ -18,8 +18,14 @@ const BAY_M: f32 = 3.4;
 /// Blocks this high have steep roofs at most, metres.
 const PITCHED_M: f32 = 19.0;
 
-/// Floors over shops.
-pub(super) fn block(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle, variant: u32, is_block: bool) {
+/// Floors over shops, and the numbers of the boards over these.
+pub(super) fn block(
+    b: &mut MeshBuilder,
+    size: Vec3,
+    look: &BuildingStyle,
+    variant: u32,
+    is_block: bool,
+) -> Vec<usize> {
     let half = 0.5 * size;
     let BuildingStyle { wall, base, trim, flat_roof, tiles, .. } = *look;
     let is_old = matches!(wall.surface, Surface::Facade(Wall::Plaster | Wall::Brick | Wall::Ashlar));
@@ -31,7 +37,7 @@ pub(super) fn block(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle, varia
     let middle = Vec3::new(0.5 * (x + back), 0.0, 0.0);
     let walls = [0.5 * (x - back), y];
     storeys(b, wall, base, flat_roof, (middle, walls), [0.0, top], 0.5);
-    shops(b, x, [-y, y], ground, trim, variant);
+    let boards = shops(b, x, [-y, y], ground, trim, variant);
     cornice(b, trim, (middle, [walls[0] + 0.12, y + 0.12]), ground, 0.30);
     cornice(b, trim, (middle, [walls[0] + 0.2, y + 0.2]), top + 0.02, 0.22);
     for side in [-1.0, 1.0] {
@@ -46,6 +52,7 @@ pub(super) fn block(b: &mut MeshBuilder, size: Vec3, look: &BuildingStyle, varia
         roofscape(b, (middle, walls), [top, size.z], trim, variant);
     }
     door(b, x, half.x - 0.1, 0.0);
+    boards
 }
 
 /// Balconies on every second bay, floor by floor.

@@ -3,6 +3,7 @@
 //! A building stands in its box; what sticks out of its front wall stays inside of that.
 
 mod block;
+mod fascias;
 mod parts;
 mod shops;
 mod style;
@@ -19,15 +20,18 @@ pub(crate) fn building(kind: &str, size: Vec3, variant: u32, detail: Detail) -> 
     let half = 0.5 * size;
     let look = BuildingStyle::of(kind, variant);
     let mut b = MeshBuilder::at(detail);
+    let mut boards = Vec::new();
     match kind {
         "house" => house(&mut b, size, &look, variant),
         "tower" => tower(&mut b, size, &look, variant),
-        "shop" | "block" => block::block(&mut b, size, &look, variant, kind == "block"),
+        "shop" | "block" => boards = block::block(&mut b, size, &look, variant, kind == "block"),
         "hall" => hall(&mut b, size, &look),
         _ => return None,
     }
     b.fit(Vec3::new(-half.x, -half.y, 0.0), Vec3::new(half.x, half.y, size.z));
-    Some(b.finish_flat())
+    let mut mesh = b.finish_flat();
+    fascias::lay_on(&mut mesh, &boards);
+    Some(mesh)
 }
 
 /// A house with a gable roof.

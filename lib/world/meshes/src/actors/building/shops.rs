@@ -3,6 +3,7 @@
 use glam::Vec3;
 use schema::geometry::{MeshPart, Surface, Wall};
 
+use super::fascias;
 use super::style::TAG;
 use crate::solids::{Detail, MeshBuilder};
 
@@ -14,19 +15,8 @@ const RISER_M: f32 = 0.45;
 const SIGN_M: [f32; 2] = [1.05, 0.42];
 /// The lowest edge of awnings, and how far they reach out, metres.
 const AWNING_M: [f32; 2] = [2.4, 0.8];
-/// Colours of signs and of their awnings, linear RGB.
-const SIGNS: [[f32; 3]; 8] = [
-    [0.05, 0.16, 0.09],
-    [0.30, 0.04, 0.04],
-    [0.03, 0.06, 0.18],
-    [0.42, 0.30, 0.06],
-    [0.06, 0.06, 0.065],
-    [0.50, 0.48, 0.43],
-    [0.24, 0.10, 0.24],
-    [0.04, 0.20, 0.22],
-];
-
-/// Shops along a front wall at `x`, from one end to the other, under a floor at `ground`.
+/// Shops along a front wall at `x`, from one end to the other, under a floor at `ground`. Gives the numbers of
+/// the boards over them.
 pub(super) fn shops(
     b: &mut MeshBuilder,
     x: f32,
@@ -34,13 +24,15 @@ pub(super) fn shops(
     ground: f32,
     trim: MeshPart,
     variant: u32,
-) {
+) -> Vec<usize> {
+    let mut boards = Vec::new();
     let glass = MeshPart::new(TAG, Surface::Facade(Wall::Curtain), [0.10, 0.10, 0.11]);
     let count = ((y1 - y0) / SHOP_M).round().max(1.0) as u32;
     let wide = (y1 - y0) / count as f32;
     for k in 0..count {
-        let rgb = SIGNS[((variant * 3 + k * 5) % 8) as usize];
-        let sign = MeshPart::new(TAG, Surface::Plain, rgb);
+        let number = fascias::number(variant, k);
+        let (rgb, sign) = (fascias::ground(number), fascias::part(number, k));
+        boards.push(number);
         let riser = MeshPart::new(TAG, Surface::Plain, rgb.map(|c| 0.5 * c + 0.02));
         let left = y0 + wide * k as f32;
         let [a, c] = [left + POST_M, left + wide - POST_M];
@@ -65,6 +57,7 @@ pub(super) fn shops(
             awning(b, rgb, x, pane, high);
         }
     }
+    boards
 }
 
 /// An awning over a window: a sheet that falls to the front, with a strip hanging from its edge.

@@ -81,6 +81,7 @@ fn everything() -> Vec<(String, [f64; 3], u32)> {
         ("pole.lamp", [2.4, 0.28, 7.5]),
         ("rsu.pole", [0.4, 0.4, 3.5]),
         ("light.signal", [0.36, 0.42, 1.1]),
+        ("light.walkers", [0.26, 0.25, 0.5]),
     ];
     all.extend(PLATES.iter().map(|plate| (plate.model.to_owned(), plate.size_m, 220)));
     all.extend(others.into_iter().chain(works::all()).map(|(name, size)| (name.to_owned(), size, 1)));
@@ -264,7 +265,7 @@ fn riders_and_machines_have_their_tags() {
 
 #[test]
 fn a_traffic_light_has_red_on_top_and_a_pole_to_the_ground() {
-    let mount = LightMount { height_m: 5.2, arm_m: 4.0, pole_right: true };
+    let mount = LightMount { height_m: 5.2, arm_m: 4.0, pole_right: true, hangs: false };
     assert_eq!(LightMount::from_variant(mount.to_variant()), mount);
     let actor = made("light.signal", [0.36, 0.42, 1.1], mount.to_variant());
     let mesh = &actor.pieces[0].mesh;
@@ -277,6 +278,26 @@ fn a_traffic_light_has_red_on_top_and_a_pole_to_the_ground() {
     assert!(middle(lights::SIGNAL_YELLOW) > middle(lights::SIGNAL_GREEN));
     let pole = bounds(&actor, 0.0, |tag| tag == Tag::Pole);
     assert!(pole.min.z <= -5.2 && pole.max.y > 3.9, "{pole:?}");
+}
+
+#[test]
+fn lights_for_walkers_show_who_stands_over_who_walks() {
+    let post = LightMount { height_m: 2.1, arm_m: 0.0, pole_right: true, hangs: false };
+    let size_m = [0.26, 0.25, 0.5];
+    let [on_post, hung] = [post, LightMount { hangs: true, ..post }]
+        .map(|mount| made("light.walkers", size_m, mount.to_variant()));
+    for pieces in std::iter::once(&on_post.pieces).chain(on_post.coarser.iter().map(|far| &far.pieces)) {
+        let mesh = &pieces[0].mesh;
+        let heights = |bit: u32| {
+            let lit = (0..mesh.triangles.len()).filter(|i| mesh.part(*i).surface == Surface::Lamp(bit));
+            let z = lit.flat_map(|i| mesh.corners(i)).map(|p| p.z);
+            z.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)])
+        };
+        let [stands, walks] = [lights::SIGNAL_RED, lights::SIGNAL_GREEN].map(heights);
+        assert!(stands[0] > walks[1] && stands[1] < 0.5 && walks[0] > 0.0, "{stands:?} {walks:?}");
+    }
+    assert!(bounds(&on_post, 0.0, |tag| tag == Tag::Pole).min.z <= -2.1);
+    assert!(bounds(&hung, 0.0, |tag| tag == Tag::Pole).min.z >= 0.0, "it has no pole of its own");
 }
 
 #[test]
