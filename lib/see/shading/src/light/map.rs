@@ -1,5 +1,7 @@
 //! What a light sees, as depths by texel.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use rayon::prelude::*;
 use render::PinholeCamera;
@@ -26,6 +28,14 @@ pub(super) struct Still {
     origin_z: f32,
 }
 
+/// Static objects in a window of a lens.
+pub(super) struct Standing {
+    /// The window, or more.
+    pub(super) map: Arc<Still>,
+    /// The window's first column and row in it.
+    pub(super) corner: [u32; 2],
+}
+
 /// What a light sees through a window of a lens.
 #[derive(Clone, Debug)]
 pub(super) struct Map {
@@ -46,14 +56,14 @@ pub(super) struct Map {
 }
 
 impl Map {
-    /// The map of a window of a lens, in the local frame of its camera: static objects as `still` has them
-    /// from a column and row on, if there is such, and what else the light sees through the camera.
+    /// The map of a window of a lens, in the local frame of its camera: static objects, if they are known
+    /// already, and what else the light sees through the camera.
     pub(super) fn new(
         lens: &Lens,
         window: Window,
         camera: &PinholeCamera,
         seen_m: Vec<f32>,
-        still: Option<(&Still, [u32; 2])>,
+        standing: Option<&Standing>,
     ) -> Self {
         let Lens { right, down, forward, texel_m, .. } = *lens;
         let mut map = Self {
@@ -68,7 +78,7 @@ impl Map {
             depth_m: Vec::new(),
             blocks: Vec::new(),
         };
-        let Some((still, corner)) = still else {
+        let Some(Standing { map: still, corner }) = standing else {
             map.depth_m = seen_m;
             map.blocks = map.sum_up();
             return map;

@@ -12,7 +12,7 @@ use render::{PinholeCamera, RenderError, Scene};
 use simd::{F32x8, LANES, Vec3x8, floor_words, lerp};
 
 use super::lens::{ABOVE, BLOCK, Lens, MAPS, Window, depths};
-use super::map::{AROUND, Lit, Map, Still};
+use super::map::{AROUND, Lit, Map, Standing, Still};
 use super::still::StillMaps;
 
 /// Lowest light that casts shadows: the sine of 2 degrees.
@@ -79,7 +79,7 @@ pub(crate) fn shadows_at(
     let seen = depths(scene, asked)?;
     let map = |(i, depth_m): (usize, Vec<f32>)| {
         let (lens, window) = &lenses[i].0;
-        Map::new(lens, *window, &cameras[i], depth_m, standing.get(i).map(|(still, at)| (&**still, *at)))
+        Map::new(lens, *window, &cameras[i], depth_m, standing.get(i))
     };
     let mut maps: Vec<Map> = seen.into_par_iter().enumerate().map(map).collect();
     let above = maps.remove(0);
@@ -93,7 +93,7 @@ fn standing(
     still: &StillMaps<'_>,
     lenses: &[((Lens, Window), bool)],
     inner_px: impl Fn(usize) -> Option<f32> + Sync,
-) -> Result<Vec<(Arc<Still>, [u32; 2])>, RenderError> {
+) -> Result<Vec<Standing>, RenderError> {
     let kept: Vec<Lens> = lenses.iter().filter(|(_, kept)| *kept).map(|((lens, _), _)| *lens).collect();
     let mut kept = still.of(&kept)?.into_iter();
     let made = lenses.par_iter().enumerate().map(|(i, ((lens, window), is_kept))| {
@@ -102,8 +102,8 @@ fn standing(
     });
     let made: Vec<Option<Still>> = made.collect::<Result<_, _>>()?;
     let of = |(made, ((_, window), _)): (Option<Still>, &((Lens, Window), bool))| match made {
-        Some(map) => Some((Arc::new(map), [0, 0])),
-        None => Some((kept.next()?, window.corner)),
+        Some(map) => Some(Standing { map: Arc::new(map), corner: [0, 0] }),
+        None => Some(Standing { map: kept.next()?, corner: window.corner }),
     };
     Ok(made.into_iter().zip(lenses).filter_map(of).collect())
 }

@@ -27,13 +27,11 @@ pub(super) fn halos(shader: &Shader<'_>, view: &CameraView) -> Vec<Halo> {
     for Shining { position, klx } in shader.lighting.lamps.shining_on(shader.camera) {
         let optical = optical_from_local.transform_point3(position);
         let (at, is_shown) = view.model.project(optical);
-        if !is_shown || !(at.x >= 0.0 && at.y >= 0.0) {
+        let [width, height] = [buffer.width, buffer.height].map(|pixels| pixels as f32);
+        if !(is_shown && (0.0..width).contains(&at.x) && (0.0..height).contains(&at.y)) {
             continue;
         }
         let (x, y) = (at.x as u32, at.y as u32);
-        if x >= buffer.width || y >= buffer.height {
-            continue;
-        }
         let away_m = optical.length();
         let seen = seen(buffer, [x, y], away_m * (1.0 - BEFORE) - BEFORE_M);
         if seen == 0.0 {

@@ -81,7 +81,7 @@ fn cells(places: &[[f64; 2]], [from_m, to_m]: [f64; 2]) -> Vec<[i64; 2]> {
         let place = *place;
         all.filter(move |[row, column]| {
             let off = [(place[0], column), (place[1], row)].map(|(v, c)| (*c as f64 + 0.5) * PIECE_M - v);
-            (from_m..=to_m).contains(&off[0].hypot(off[1]))
+            (from_m..=to_m).contains(&(off[0] * off[0] + off[1] * off[1]).sqrt())
         })
     };
     let all: std::collections::BTreeSet<[i64; 2]> = places.iter().flat_map(near).collect();

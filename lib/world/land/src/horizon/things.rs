@@ -5,7 +5,7 @@ use random::Stream;
 use schema::Tag;
 use schema::geometry::{MeshPart, Surface, Wall};
 
-use super::plot::{PLOT_M, SQUARE_M, STREET_M, Use};
+use super::plot::{PLOT_M, STREET_M, Use};
 use super::shape::Shape;
 use crate::surfaces::GRASS;
 
@@ -66,7 +66,6 @@ pub(super) fn add_ground(
         let (x, y) = (i as f64, j as f64);
         shape.face(part(i, j), &[at(x, y), at(x + 1.0, y), at(x + 1.0, y + 1.0), at(x, y + 1.0)]);
     }
-    debug_assert!(2.0 * SQUARE_M <= PLOT_M);
 }
 
 /// What stands on a plot. `at` has the ground at a place of it, and how far off roads that is.
