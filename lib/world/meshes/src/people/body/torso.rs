@@ -148,7 +148,7 @@ fn below_waist(look: &Appearance) -> Vec<Slice> {
     let low = hem(look);
     if matches!(look.top, Top::Coat | Top::Dress) {
         // It goes on as what hangs from the hips.
-        let over = |z: f32| Slice { z, ..hanging_slice(look, z + 0.095, look.flare()).wider(1.025) };
+        let over = |z: f32| Slice { z, ..hanging_slice(look, z + 0.095, look.flare()).wider(1.015) };
         return vec![over(-0.045), over(-0.012)];
     }
     if low < 0.05 {
