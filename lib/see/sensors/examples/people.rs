@@ -70,6 +70,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         stage.save(&file, [0.0, -5.0, -0.35], frames::deg(5.0), [1600, 900], 58.0)?;
     }
     benches(&people, folder)?;
+    riders_near(folder)?;
     let riders = MODELS.iter().filter(|m| matches!(m.base, BaseType::Motorcycle | BaseType::Bicycle));
     let mut stage = Stage::new();
     for (k, model) in riders.chain(people.iter().copied().filter(|m| m.wheel_radius_m > 0.0)).enumerate() {
@@ -77,13 +78,43 @@ fn main() -> Result<(), Box<dyn Error>> {
         for (row, yaw) in [(0.0, -5.0), (3.0, -120.0)] {
             let posture = Posture { phase_rad: 1.0 + 2.0 * row, ..Posture::default() };
             let number = 7 * k + row as usize;
-            let paint = model.paints.get(number % model.paints.len().max(1)).copied().unwrap_or([128; 3]);
-            let paint = paint.map(|byte| frames::math::pow(f64::from(byte) / 255.0, 2.2) as f32);
-            stage.add_level(model, number as u32, 0, at(x * (1.0 + 0.1 * row), row, yaw), posture, paint);
+            let place = at(x * (1.0 + 0.1 * row), row, yaw);
+            stage.add_level(model, number as u32, 0, place, posture, paint(model, number));
         }
     }
     stage.save(&folder.join("people-riders.jpg"), [0.0, -10.5, 0.6], frames::deg(5.0), [1320, 384], 68.0)?;
     Ok(())
+}
+
+/// A paint of a model, linear RGB.
+fn paint(model: &Model, number: usize) -> [f32; 3] {
+    let paint = model.paints.get(number % model.paints.len().max(1)).copied().unwrap_or([128; 3]);
+    paint.map(|byte| frames::math::f32::pow(f32::from(byte) / 255.0, 2.2))
+}
+
+/// Riders as a camera of a vehicle sees them at 5 m.
+fn riders_near(folder: &Path) -> Result<(), Box<dyn Error>> {
+    let mut stage = Stage::new();
+    let names = [
+        ("motorcycle.sport", 130.0),
+        ("bicycle.city", -20.0),
+        ("motorcycle.scooter", -70.0),
+        ("bicycle.road", 60.0),
+    ];
+    for (k, (name, yaw)) in names.into_iter().enumerate() {
+        let Some(model) = MODELS.iter().find(|m| m.name == name) else { continue };
+        let number = 5 * k + 2;
+        let posture = Posture { phase_rad: 1.3 * k as f32, ..Posture::default() };
+        let place = at(1.45 * (k as f32 - 1.5), 0.3, yaw);
+        stage.add_level(model, number as u32, 0, place, posture, paint(model, number));
+    }
+    stage.save(
+        &folder.join("people-riders-near.jpg"),
+        [0.0, -5.0, -0.35],
+        frames::deg(6.0),
+        [1600, 900],
+        62.0,
+    )
 }
 
 /// Two on each of four benches, from before and from the side: those of each model who are dressed so as to

@@ -127,7 +127,12 @@ mod tests {
     use crate::actors::actor_mesh;
 
     fn byte(linear: f32) -> f32 {
-        255.0 * if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+        255.0
+            * if linear <= 0.003_130_8 {
+                12.92 * linear
+            } else {
+                1.055 * frames::math::f32::pow(linear, 1.0 / 2.4) - 0.055
+            }
     }
 
     #[test]

@@ -432,7 +432,7 @@ impl Appearance {
             if full_helmet || self.bottom == Bottom::Skirt { Bottom::Trousers } else { self.bottom };
         self.top = match self.top {
             Top::Coat | Top::Dress | Top::Suit => Top::Jacket,
-            Top::Tee if full_helmet => Top::Jacket,
+            Top::Tee | Top::Shirt if full_helmet => Top::Jacket,
             top => top,
         };
         // Motorcyclists wear what is made for it, cyclists often what they have.
@@ -488,7 +488,8 @@ impl Appearance {
     /// Whether a jacket or a coat is open at the neck, so that what is below shows.
     #[must_use]
     pub fn open(&self) -> bool {
-        self.top == Top::Coat || self.top == Top::Jacket && self.face[2] > 0.45
+        let rides = self.hat == Hat::FullHelmet;
+        self.top == Top::Coat || self.top == Top::Jacket && self.face[2] > 0.45 && !rides
     }
 
     /// Whether a skirt or a coat's tails hang about the thighs.

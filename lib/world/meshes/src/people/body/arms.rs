@@ -1,11 +1,13 @@
 //! Arms and hands. The bones' frames are at the upper joints; everything hangs down.
 
+use std::f32::consts::TAU;
+
 use crate::solids::{Detail, MeshBuilder};
 use frames::math::f32::{sin, sin_cos};
 use glam::Vec3;
 use schema::geometry::{MeshPart, Surface};
 
-use super::shape::{Shaped, Slice, bump, limb, lofted, slice, solid, stout};
+use super::shape::{Shaped, Slice, bump, limb, slice, solid, stout};
 use super::stuffs::Stuffs;
 use crate::people::appearance::{Carried, Hat, Top};
 use crate::people::figure::{Figure, Side};
@@ -136,13 +138,18 @@ pub(super) fn forearm(b: &mut MeshBuilder, f: &Figure, s: &Stuffs, side: Side) {
     }
 }
 
+/// Whether both hands hold a handle that runs across: of a pram, or of what is ridden.
+fn holds_across(f: &Figure) -> bool {
+    f.look.carried == Carried::Pram || matches!(f.look.hat, Hat::FullHelmet | Hat::BicycleHelmet)
+}
+
 /// How far fingers are bent at each of two joints, radians: around what is held, or as they hang.
 fn bend(f: &Figure, side: Side) -> f32 {
     let holds = match f.look.carried {
-        Carried::Pram | Carried::Shovel => true,
+        Carried::Shovel => true,
         Carried::Cane | Carried::Phone => side == Side::Right,
         Carried::Dog => side == Side::Left,
-        _ => matches!(f.look.hat, Hat::FullHelmet | Hat::BicycleHelmet),
+        _ => holds_across(f),
     };
     if holds { 0.85 } else { 0.28 + 0.10 * f.look.face[1] }
 }
@@ -177,19 +184,26 @@ fn hand(b: &mut MeshBuilder, f: &Figure, skin: MeshPart, side: Side) {
         cut(0.020, 0.0140, 0.0140, 0.0110, 0.000),
         cut(-0.120, 0.0125, 0.0125, 0.0105, 0.000),
     ];
-    lofted(b, &palm, 8, 0.9, |_, _| skin);
+    // Around a handle that runs across, the palm looks down and the thumb inward.
+    let across = holds_across(f);
+    let turned = |p: Vec3| if across { Vec3::new(side.sign() * p.y, -side.sign() * p.x, p.z) } else { p };
+    let ring = |slice: &Slice| {
+        (0..8).map(|j| turned(slice.at_angle((j as f32 + 0.5) * TAU / 8.0, 0.9))).collect::<Vec<Vec3>>()
+    };
+    let palm: Vec<Vec<Vec3>> = palm.iter().map(ring).collect();
+    b.loft(&palm, |_, _| skin, [skin; 2]);
     // Fingers from the first to the little one.
     let bent = bend(f, side);
     let fingers = [(0.0158, 0.49, 0.42), (0.0055, 0.51, 0.47), (-0.0050, 0.50, 0.44), (-0.0148, 0.47, 0.35)];
     for (number, (x, root, long)) in fingers.into_iter().enumerate() {
         let mut at = Vec3::new(x * big, 0.0, -length - root * f.hand);
         let mut angle = 0.35 * bent + 0.05 * number as f32;
-        let mut line = vec![(at, 0.0052)];
+        let mut line = vec![(turned(at), 0.0052)];
         for (share, radius) in [(0.50, 0.0054), (0.50, 0.0036)] {
             let (sin, cos) = sin_cos(angle);
             at += Vec3::new(0.0, inward * sin, -cos) * (share * long * f.hand);
             angle += 1.25 * bent;
-            line.push((at, radius));
+            line.push((turned(at), radius));
         }
         finger(b, skin, &line, big);
     }
@@ -197,7 +211,8 @@ fn hand(b: &mut MeshBuilder, f: &Figure, skin: MeshPart, side: Side) {
         (thumb(0.10, 0.0095, 0.001), 0.0080),
         (thumb(0.34, 0.0235, 0.006), 0.0072),
         (thumb(0.62, 0.0265, 0.009 + 0.018 * bent), 0.0042),
-    ];
+    ]
+    .map(|(at, radius)| (turned(at), radius));
     finger(b, skin, &line, big);
 }
 

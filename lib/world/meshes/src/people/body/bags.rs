@@ -47,7 +47,7 @@ pub(super) fn backpack(b: &mut MeshBuilder, f: &Figure, s: &Stuffs, body: &Shape
                 .iter()
                 .map(|(z, angle)| {
                     let at = |d: f32| {
-                        let place = body.surface(z * tall * h, side * (angle + d), 0.004 * h);
+                        let place = body.surface(z * tall * h, side * (angle + d), 0.0065 * h);
                         // Over the shoulder a strap lies on top.
                         let over = (z - 0.19).max(0.0) * 0.6 * h;
                         place * Vec3::new(1.0, 1.0 - 0.8 * (z - 0.19).max(0.0) / 0.024 * 0.35, 1.0)
