@@ -42,7 +42,7 @@ impl Figure {
             if !b.is_empty() {
                 let mut mesh = b.finish();
                 level_at(&mut mesh, &self.joints(bone));
-                if bone == Bone::Pelvis && !self.look.hangs() {
+                if bone == Bone::Pelvis && detail == Detail::Full && !self.look.hangs() {
                     let h = self.stature;
                     part_in_two(&mut mesh, self.hip_y, [-0.020 * h, 0.060 * h]);
                 }
