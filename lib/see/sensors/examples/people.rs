@@ -1,6 +1,6 @@
 //! Draws people: `cargo run -p convoy-sensors --example people -- FOLDER`. One sheet for each model with all
-//! of its looks from the front, the side and the back, some from 5 m, a strip of eight phases of a walk and of
-//! a run from the side, people on benches, and riders.
+//! of its looks from the front, the side and the back, some from 5 m, a strip of eight phases of a walk and
+//! of a run from the side, people on benches, and riders.
 
 mod stage;
 

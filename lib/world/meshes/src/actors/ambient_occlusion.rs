@@ -17,6 +17,8 @@ use crate::actors::posture::Posture;
 /// How closely an actor close by is looked at, and one that moves its limbs or is farther away.
 const FINE: OcclusionEstimate = OcclusionEstimate { texels: 160, axes: 24 };
 const COARSE: OcclusionEstimate = OcclusionEstimate { texels: 96, axes: 12 };
+/// Of less than this a place of a limb is taken for hidden in the next one.
+const HIDDEN: f32 = 0.22;
 /// The light on limbs is softened so often.
 const SOFTENED: usize = 2;
 /// What turns is looked at in so many positions, and has their mean.
@@ -103,11 +105,12 @@ fn shelter(pieces: &mut [Piece], posture: &Posture, estimate: OcclusionEstimate)
     }
 }
 
-/// Takes each place half the way to the mean of the triangles around it; what is buried counts for nothing.
+/// Takes each place half the way to the mean of the triangles around it. What is hidden in the next limb
+/// counts for nothing, and is as open as what is around it: else joints would be dark.
 fn soften(open: &mut [f32], corners: &[[u32; 3]]) {
     let mut sums: BTreeMap<u32, (f32, f32)> = BTreeMap::new();
     for places in corners {
-        let seen = places.iter().map(|place| open[*place as usize]).filter(|open| *open > BURIED);
+        let seen = places.iter().map(|place| open[*place as usize]).filter(|open| *open > HIDDEN);
         let (sum, count) = seen.fold((0.0, 0.0), |(sum, count), open| (sum + open, count + 1.0));
         for place in places {
             let around = sums.entry(*place).or_default();
@@ -116,8 +119,9 @@ fn soften(open: &mut [f32], corners: &[[u32; 3]]) {
     }
     for (place, (sum, count)) in sums {
         let place = &mut open[place as usize];
-        if count > 0.0 && *place > BURIED {
-            *place = 0.5 * (*place + sum / count);
+        if count > 0.0 {
+            let around = sum / count;
+            *place = if *place > HIDDEN { 0.5 * (*place + around) } else { around };
         }
     }
 }

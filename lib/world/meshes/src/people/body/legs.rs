@@ -106,8 +106,8 @@ pub(super) fn thigh(b: &mut MeshBuilder, f: &Figure, s: &Stuffs, side: Side) {
     }
 }
 
-/// The cloth of a skirt or a coat over a thigh: within what hangs from the hips while its owner stands, before
-/// or behind that in a stride. It ends at a height, a share of the stature.
+/// The cloth of a skirt or a coat over a thigh: within what hangs from the hips while its owner stands, and
+/// before or behind that in a stride. It ends at a height, a share of the stature.
 fn cover(b: &mut MeshBuilder, f: &Figure, part: MeshPart, hem: f32, thick: f32) {
     let h = f.stature;
     let by = thick * thighs(f);
