@@ -63,6 +63,29 @@ const PAINTS: [[u8; 3]; 200] = {
     paints
 };
 
+/// Frames of bicycles, motorcycles and scooters (sRGB): bright ones are as common as black and white.
+pub(crate) const TWO_WHEELERS: &[[u8; 3]] = &[
+    [22, 22, 24],
+    [54, 57, 62],
+    [150, 153, 156],
+    [236, 237, 234],
+    [178, 24, 28],
+    [222, 62, 40],
+    [236, 120, 24],
+    [240, 190, 36],
+    [182, 204, 44],
+    [62, 142, 64],
+    [24, 84, 66],
+    [84, 176, 164],
+    [44, 142, 206],
+    [24, 72, 168],
+    [26, 38, 84],
+    [104, 60, 132],
+    [206, 84, 138],
+    [232, 214, 184],
+    [128, 88, 56],
+    [92, 20, 34],
+];
 /// Taxis.
 pub(crate) const TAXIS: &[[u8; 3]] = &[[236, 184, 28], [238, 232, 208], [24, 24, 26]];
 /// Vehicles that clean streets.

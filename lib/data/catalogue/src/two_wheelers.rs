@@ -2,7 +2,7 @@
 
 use crate::body::{Body, Frame, TwoWheelerBody};
 use crate::model::{BaseType, Model, Special};
-use crate::paints::COMMON;
+use crate::paints::TWO_WHEELERS;
 
 /// Those of the first release.
 pub(crate) const FIRST: &[Model] = &[
@@ -18,7 +18,7 @@ pub(crate) const FIRST: &[Model] = &[
         doors: 0,
         has_lamps: true,
         commonness: 1.0,
-        paints: COMMON,
+        paints: TWO_WHEELERS,
         simbev2x: &["low_rider"],
         person: None,
         body: Body::TwoWheeler(&TwoWheelerBody {
@@ -42,7 +42,7 @@ pub(crate) const FIRST: &[Model] = &[
         doors: 0,
         has_lamps: true,
         commonness: 1.0,
-        paints: COMMON,
+        paints: TWO_WHEELERS,
         simbev2x: &["ninja", "yzf"],
         person: None,
         body: Body::TwoWheeler(&TwoWheelerBody {
@@ -66,7 +66,7 @@ pub(crate) const FIRST: &[Model] = &[
         doors: 0,
         has_lamps: true,
         commonness: 1.0,
-        paints: COMMON,
+        paints: TWO_WHEELERS,
         simbev2x: &["vespa"],
         person: None,
         body: Body::TwoWheeler(&TwoWheelerBody {
@@ -90,7 +90,7 @@ pub(crate) const FIRST: &[Model] = &[
         doors: 0,
         has_lamps: false,
         commonness: 1.0,
-        paints: COMMON,
+        paints: TWO_WHEELERS,
         simbev2x: &["crossbike", "omafiets"],
         person: None,
         body: Body::TwoWheeler(&TwoWheelerBody {
@@ -114,7 +114,7 @@ pub(crate) const FIRST: &[Model] = &[
         doors: 0,
         has_lamps: false,
         commonness: 1.0,
-        paints: COMMON,
+        paints: TWO_WHEELERS,
         simbev2x: &["century"],
         person: None,
         body: Body::TwoWheeler(&TwoWheelerBody {
@@ -142,7 +142,7 @@ pub(crate) const LATER: &[Model] = &[
         doors: 0,
         has_lamps: true,
         commonness: 0.5,
-        paints: COMMON,
+        paints: TWO_WHEELERS,
         simbev2x: &[],
         person: None,
         body: Body::TwoWheeler(&TwoWheelerBody {
@@ -190,7 +190,7 @@ pub(crate) const LATER: &[Model] = &[
         doors: 0,
         has_lamps: false,
         commonness: 0.2,
-        paints: COMMON,
+        paints: TWO_WHEELERS,
         simbev2x: &[],
         person: None,
         body: Body::TwoWheeler(&TwoWheelerBody {
@@ -214,7 +214,7 @@ pub(crate) const LATER: &[Model] = &[
         doors: 0,
         has_lamps: false,
         commonness: 0.5,
-        paints: COMMON,
+        paints: TWO_WHEELERS,
         simbev2x: &[],
         person: None,
         body: Body::TwoWheeler(&TwoWheelerBody {

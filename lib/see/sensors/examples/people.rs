@@ -1,6 +1,6 @@
 //! Draws people: `cargo run -p convoy-sensors --example people -- FOLDER`. One sheet for each model with all
-//! of its looks from the front, the side and the back, a strip of eight phases of a walk and of a run from
-//! the side, people on benches, and riders.
+//! of its looks from the front, the side and the back, some from 5 m, a strip of eight phases of a walk and
+//! of a run from the side, people on benches, and riders.
 
 mod stage;
 
@@ -52,30 +52,69 @@ fn main() -> Result<(), Box<dyn Error>> {
         let file = folder.join(format!("people-strip-{k}-{name}.jpg"));
         stage.save(&file, [0.0, away_m, -0.6], 0.0, [1200, 288], 56.0)?;
     }
-    // Three close up.
+    // Some as a camera of a vehicle sees them at 5 m.
     for (k, name) in
         ["man", "woman", "child", "elder", "teen", "worker", "with_pram", "with_dog"].into_iter().enumerate()
     {
         let Some(model) = people.iter().find(|m| m.name.ends_with(name)) else { continue };
         let mut stage = Stage::new();
-        for (j, look) in [1, 4, 6, 9].into_iter().enumerate() {
-            stage.add(model, look, at(0.85 * (j as f32 - 1.5), 0.0, -60.0), Posture::default());
+        for (j, look) in [1, 4, 6, 9, 11, 14].into_iter().enumerate() {
+            let posture = Posture {
+                phase_rad: 0.6 * j as f32,
+                gait_mps: if j % 3 == 2 { 1.3 } else { 0.0 },
+                ..Posture::default()
+            };
+            stage.add(model, look, at(0.95 * (j as f32 - 2.5), 0.0, [-60.0, -100.0, -15.0][j % 3]), posture);
         }
         let file = folder.join(format!("people-near-{k}-{name}.jpg"));
-        stage.save(&file, [0.0, -4.2, -0.45], frames::deg(3.0), [700, 450], 50.0)?;
+        stage.save(&file, [0.0, -5.0, -0.35], frames::deg(5.0), [1600, 900], 58.0)?;
     }
     benches(&people, folder)?;
+    riders_near(folder)?;
     let riders = MODELS.iter().filter(|m| matches!(m.base, BaseType::Motorcycle | BaseType::Bicycle));
     let mut stage = Stage::new();
     for (k, model) in riders.chain(people.iter().copied().filter(|m| m.wheel_radius_m > 0.0)).enumerate() {
         let x = 2.4 * (k as f32 - 2.5);
         for (row, yaw) in [(0.0, -5.0), (3.0, -120.0)] {
             let posture = Posture { phase_rad: 1.0 + 2.0 * row, ..Posture::default() };
-            stage.add(model, k as u32 + row as u32, at(x * (1.0 + 0.1 * row), row, yaw), posture);
+            let number = 7 * k + row as usize;
+            let place = at(x * (1.0 + 0.1 * row), row, yaw);
+            stage.add_level(model, number as u32, 0, place, posture, paint(model, number));
         }
     }
     stage.save(&folder.join("people-riders.jpg"), [0.0, -10.5, 0.6], frames::deg(5.0), [1320, 384], 68.0)?;
     Ok(())
+}
+
+/// A paint of a model, linear RGB.
+fn paint(model: &Model, number: usize) -> [f32; 3] {
+    let paint = model.paints.get(number % model.paints.len().max(1)).copied().unwrap_or([128; 3]);
+    paint.map(|byte| frames::math::f32::pow(f32::from(byte) / 255.0, 2.2))
+}
+
+/// Riders as a camera of a vehicle sees them at 5 m.
+fn riders_near(folder: &Path) -> Result<(), Box<dyn Error>> {
+    let mut stage = Stage::new();
+    let names = [
+        ("motorcycle.sport", 130.0),
+        ("bicycle.city", -20.0),
+        ("motorcycle.scooter", -70.0),
+        ("bicycle.road", 60.0),
+    ];
+    for (k, (name, yaw)) in names.into_iter().enumerate() {
+        let Some(model) = MODELS.iter().find(|m| m.name == name) else { continue };
+        let number = 5 * k + 2;
+        let posture = Posture { phase_rad: 1.3 * k as f32, ..Posture::default() };
+        let place = at(1.45 * (k as f32 - 1.5), 0.3, yaw);
+        stage.add_level(model, number as u32, 0, place, posture, paint(model, number));
+    }
+    stage.save(
+        &folder.join("people-riders-near.jpg"),
+        [0.0, -5.0, -0.35],
+        frames::deg(6.0),
+        [1600, 900],
+        62.0,
+    )
 }
 
 /// Two on each of four benches, from before and from the side: those of each model who are dressed so as to

@@ -1,6 +1,7 @@
 //! How much light of sky and ground reaches the pieces of an actor past the others: arches, undersides,
 //! armpits lie in shade.
 
+use std::collections::BTreeMap;
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
@@ -16,6 +17,10 @@ use crate::actors::posture::Posture;
 /// How closely an actor close by is looked at, and one that moves its limbs or is farther away.
 const FINE: OcclusionEstimate = OcclusionEstimate { texels: 160, axes: 24 };
 const COARSE: OcclusionEstimate = OcclusionEstimate { texels: 96, axes: 12 };
+/// Of less than this a place of a limb is taken for hidden in the next one.
+const HIDDEN: f32 = 0.22;
+/// The light on limbs is softened so often.
+const SOFTENED: usize = 2;
 /// What turns is looked at in so many positions, and has their mean.
 const TURNS: usize = 8;
 /// Of less than this a corner is within something else, and its triangle's other corners say what is seen of
@@ -77,7 +82,13 @@ fn shelter(pieces: &mut [Piece], posture: &Posture, estimate: OcclusionEstimate)
             .collect();
         *corners = gather(&piece.mesh, &poses, &mut places);
     }
-    let open = ambient_visibility(&positions, &triangles, &places, estimate);
+    let mut open = ambient_visibility(&positions, &triangles, &places, estimate);
+    // On bones that move, what happens to be near at rest shades no more than softly.
+    for ((number, _), corners) in firsts.iter().zip(&corners) {
+        if matches!(pieces[*number].joint, Joint::Bone(_)) {
+            (0..SOFTENED).for_each(|_| soften(&mut open, corners));
+        }
+    }
     let mut done: Vec<(Arc<TriMesh>, Arc<TriMesh>)> = Vec::new();
     for ((number, _), corners) in firsts.iter().zip(corners) {
         let piece = &pieces[*number];
@@ -90,6 +101,27 @@ fn shelter(pieces: &mut [Piece], posture: &Posture, estimate: OcclusionEstimate)
     for piece in pieces {
         if let Some((_, new)) = done.iter().find(|(old, _)| Arc::ptr_eq(old, &piece.mesh)) {
             piece.mesh = Arc::clone(new);
+        }
+    }
+}
+
+/// Takes each place half the way to the mean of the triangles around it. What is hidden in the next limb
+/// counts for nothing, and is as open as what is around it: else joints would be dark.
+fn soften(open: &mut [f32], corners: &[[u32; 3]]) {
+    let mut sums: BTreeMap<u32, (f32, f32)> = BTreeMap::new();
+    for places in corners {
+        let seen = places.iter().map(|place| open[*place as usize]).filter(|open| *open > HIDDEN);
+        let (sum, count) = seen.fold((0.0, 0.0), |(sum, count), open| (sum + open, count + 1.0));
+        for place in places {
+            let around = sums.entry(*place).or_default();
+            *around = (around.0 + sum, around.1 + count);
+        }
+    }
+    for (place, (sum, count)) in sums {
+        let place = &mut open[place as usize];
+        if count > 0.0 {
+            let around = sum / count;
+            *place = if *place > HIDDEN { 0.5 * (*place + around) } else { around };
         }
     }
 }

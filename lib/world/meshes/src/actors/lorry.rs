@@ -7,6 +7,7 @@ use schema::geometry::{MeshPart, Surface};
 use schema::{Tag, lights};
 
 use crate::actors::car::Car;
+use crate::actors::plates::SHEETING;
 use crate::actors::pod::rounded;
 
 /// A cab above its engine.
@@ -177,7 +178,7 @@ impl Lorry<'_> {
             let (x, y) = ([-half.x + 0.02, -half.x + 0.08], [0.49 * half.y, 0.93 * half.y]);
             Self::both(b, back, x, y, [0.47, 0.51]);
         }
-        let plate = Self::stuff(Surface::Reflector, [0.78, 0.78, 0.76]);
+        let plate = Self::stuff(Surface::Reflector, SHEETING);
         b.cuboid(plate, Vec3::new(-half.x + 0.01, -0.26, 0.54), Vec3::new(-half.x + 0.08, 0.26, 0.65));
     }
 

@@ -31,6 +31,7 @@ mod lorry;
 mod motorcycle;
 mod pieces;
 mod plants;
+mod plates;
 mod pod;
 mod posture;
 mod props;
@@ -74,16 +75,22 @@ pub fn actor_mesh(model: &str, size_m: [f64; 3], variant: u32) -> Option<ActorMe
         |mesh: TriMesh| Some(ActorMesh::of(vec![Piece { mesh: Arc::new(mesh), joint: Joint::Fixed }]));
     if let Some((parked, ridden)) = models::find_parked(model) {
         let Body::TwoWheeler(built) = ridden.body else { return None };
-        return Some(two_wheeler::parked(parked, ridden, built, size));
+        return Some(plates::lettered(two_wheeler::parked(parked, ridden, built, size), model, 0));
     }
     if let Some(known) = models::find(model).or_else(|| trains::find(model)) {
         return match known.body {
-            Body::Car(body) => Some(car::vehicle(known, body, size)),
-            Body::Lorry(load) => Some(heavy::truck(known, load, size)),
-            Body::Trailer(load) => Some(trailer::trailer(trains::of_towed(model)?, load, size)),
+            Body::Car(body) => Some(plates::lettered(car::vehicle(known, body, size), model, 0)),
+            Body::Lorry(load) => Some(plates::lettered(heavy::truck(known, load, size), model, 0)),
+            Body::Trailer(load) => {
+                let made = trailer::trailer(trains::of_towed(model)?, load, size);
+                Some(plates::lettered(made, model, 0))
+            }
             Body::Bus(BusBody::ArticulatedRear) => Some(bus::rear_section(trains::of_towed(model)?, size)),
             Body::Bus(body) => Some(bus::bus(known, body, size)),
-            Body::TwoWheeler(body) => Some(two_wheeler::two_wheeler(known, body, size, variant)),
+            Body::TwoWheeler(body) => {
+                let made = two_wheeler::two_wheeler(known, body, size, variant);
+                Some(plates::lettered(made, model, variant))
+            }
             Body::Person(PersonBody::Wheelchair) => Some(wheelchair::wheelchair(known, size, variant)),
             Body::Person(PersonBody::OnFoot) => {
                 Some(bodies::walker(Walker::of_height(known, variant, size.z)))

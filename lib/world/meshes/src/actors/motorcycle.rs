@@ -7,6 +7,7 @@ use schema::geometry::{MeshPart, Surface};
 use schema::{Tag, lights};
 
 use crate::actors::decal::disc;
+use crate::actors::plates::SHEETING;
 use crate::actors::pod::{mudguard, pod, rounded, tube};
 
 /// Where things are on a motorcycle, metres.
@@ -486,7 +487,7 @@ impl Machine<'_> {
             0.8,
             0.8,
         );
-        let plate = MeshPart::new(Tag::Motorcycle, Surface::Reflector, [0.78, 0.78, 0.76]);
+        let plate = MeshPart::new(Tag::Motorcycle, Surface::Reflector, SHEETING);
         let dark = self.parts.plastic;
         let back = Vec3::new(self.p.back, 0.0, tail_z - 0.19);
         self.b.cuboid(plate, back - Vec3::new(0.0, 0.09, 0.07), back + Vec3::new(0.012, 0.09, 0.07));

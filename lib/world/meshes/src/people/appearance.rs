@@ -4,6 +4,11 @@
 use catalogue::{Age, BaseType, Model, Special};
 use schema::geometry::Weave;
 
+use crate::people::palette::{
+    ACCENTS, BOTTOMS, COATS, DARK_SKIN, EXTRAS, GREY, HAIR, HELMETS, RIDERS_HELMETS, RIDERS_JACKETS, SHOES,
+    SKIN, TOPS, UNIFORM, VESTS,
+};
+
 /// Looks that a model has; variants beyond begin again.
 pub const APPEARANCES: u32 = 16;
 
@@ -44,13 +49,39 @@ pub enum Bottom {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs, reason = "the names are their own documentation")]
 pub enum Hair {
+    Bald,
     Thin,
+    Crew,
     Short,
+    Parted,
+    Quiff,
+    Fringe,
     Curls,
+    Afro,
     Bob,
     Long,
     Bun,
     Ponytail,
+}
+
+/// Hair of the face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "the names are their own documentation")]
+pub enum Beard {
+    None,
+    Stubble,
+    Moustache,
+    Goatee,
+    Full,
+}
+
+/// What is worn on the feet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "the names are their own documentation")]
+pub enum Shoe {
+    Sports,
+    Leather,
+    Boots,
 }
 
 /// What is worn on the head.
@@ -111,8 +142,18 @@ pub struct Appearance {
     pub bottom: Bottom,
     pub hair: Hair,
     pub hat: Hat,
+    pub beard: Beard,
+    pub glasses: bool,
+    pub shoe: Shoe,
     pub carried: Carried,
     pub stance: Stance,
+    /// What makes a face and a hairdo somebody's own, each 0 to 1.
+    pub face: [f32; 4],
+    /// How wide trousers and skirts are cut, 0 to 1, and how long skirts and coats are.
+    pub loose: f32,
+    pub long: f32,
+    /// Whether a shirt is worn in the trousers.
+    pub tucks: bool,
     /// Height compared to what is usual of the model.
     pub height: f32,
     pub top_weave: Weave,
@@ -123,85 +164,39 @@ pub struct Appearance {
     pub hair_rgb: [f32; 3],
     pub shoe_rgb: [f32; 3],
     pub extra_rgb: [f32; 3],
+    /// Of what is small and stands out: a tie, a shirt below a jacket, the stripe on a helmet.
+    pub accent_rgb: [f32; 3],
+    /// Of the helmet and the jacket of somebody who rides.
+    pub helmet_rgb: [f32; 3],
+    pub jacket_rgb: [f32; 3],
     /// Height of a dog's back, metres.
     pub dog_m: f32,
 }
 
-const TOPS: [[f32; 3]; 14] = [
-    [0.283, 0.063, 0.063],
-    [0.044, 0.068, 0.160],
-    [0.485, 0.473, 0.436],
-    [0.026, 0.026, 0.029],
-    [0.063, 0.136, 0.081],
-    [0.387, 0.253, 0.100],
-    [0.139, 0.145, 0.158],
-    [0.187, 0.083, 0.163],
-    [0.090, 0.194, 0.218],
-    [0.610, 0.610, 0.598],
-    [0.236, 0.187, 0.138],
-    [0.109, 0.146, 0.256],
-    [0.344, 0.191, 0.204],
-    [0.091, 0.091, 0.073],
-];
-const BOTTOMS: [[f32; 3]; 9] = [
-    [0.035, 0.055, 0.12],
-    [0.02, 0.02, 0.022],
-    [0.17, 0.13, 0.08],
-    [0.09, 0.095, 0.10],
-    [0.24, 0.21, 0.16],
-    [0.07, 0.11, 0.20],
-    [0.05, 0.045, 0.04],
-    [0.10, 0.11, 0.07],
-    [0.15, 0.20, 0.30],
-];
-const SKIN: [[f32; 3]; 7] = [
-    [0.58, 0.36, 0.27],
-    [0.49, 0.29, 0.20],
-    [0.33, 0.18, 0.11],
-    [0.16, 0.08, 0.05],
-    [0.62, 0.41, 0.32],
-    [0.42, 0.23, 0.15],
-    [0.09, 0.045, 0.03],
-];
-const HAIR: [[f32; 3]; 6] = [
-    [0.012, 0.010, 0.009],
-    [0.05, 0.028, 0.016],
-    [0.11, 0.06, 0.03],
-    [0.30, 0.19, 0.08],
-    [0.16, 0.05, 0.018],
-    [0.025, 0.016, 0.011],
-];
-const GREY: [[f32; 3]; 3] = [[0.42, 0.41, 0.40], [0.62, 0.61, 0.59], [0.22, 0.21, 0.21]];
-const SHOES: [[f32; 3]; 6] = [
-    [0.02, 0.02, 0.02],
-    [0.10, 0.055, 0.03],
-    [0.55, 0.55, 0.54],
-    [0.06, 0.06, 0.065],
-    [0.20, 0.20, 0.22],
-    [0.16, 0.05, 0.04],
-];
-const EXTRAS: [[f32; 3]; 7] = [
-    [0.026, 0.026, 0.029],
-    [0.202, 0.061, 0.061],
-    [0.062, 0.092, 0.178],
-    [0.153, 0.104, 0.067],
-    [0.076, 0.125, 0.088],
-    [0.320, 0.277, 0.210],
-    [0.337, 0.233, 0.092],
-];
-/// High-visibility clothing: orange or yellow.
-const VESTS: [[f32; 3]; 2] = [[0.80, 0.20, 0.015], [0.58, 0.70, 0.03]];
-const HELMETS: [[f32; 3]; 3] = [[0.80, 0.58, 0.03], [0.80, 0.80, 0.78], [0.78, 0.22, 0.02]];
-/// Coats of dogs.
-const COATS: [[f32; 3]; 6] = [
-    [0.016, 0.014, 0.013],
-    [0.36, 0.22, 0.09],
-    [0.62, 0.58, 0.50],
-    [0.13, 0.065, 0.03],
-    [0.24, 0.23, 0.22],
-    [0.42, 0.30, 0.16],
-];
-const UNIFORM: [f32; 3] = [0.012, 0.018, 0.05];
+/// How somebody's hair is worn: `turn` goes on from look to look, `other` tells more apart.
+fn hairdo(age: Age, woman: bool, dark: bool, turn: usize, other: usize) -> Hair {
+    let curly = dark && other.is_multiple_of(2) || other.is_multiple_of(9);
+    match (woman, age, turn % 8) {
+        (false, Age::Elder, 0..=2) | (false, Age::Adult, 3) => Hair::Thin,
+        (false, Age::Elder, 3 | 4) | (false, Age::Adult, 7) => Hair::Bald,
+        (true, Age::Elder, 0..=2) => Hair::Curls,
+        (true, Age::Elder, 3) => Hair::Short,
+        (true, _, 4) => Hair::Bun,
+        (true, _, 6) => Hair::Ponytail,
+        (_, _, 5) if curly => Hair::Afro,
+        _ if curly => Hair::Curls,
+        (true, _, 0 | 1) => Hair::Long,
+        (true, _, 2) => Hair::Bob,
+        (true, _, 3) => Hair::Fringe,
+        (true, _, 5) => Hair::Short,
+        (true, ..) => Hair::Long,
+        (false, _, 0) => Hair::Crew,
+        (false, _, 1) => Hair::Parted,
+        (false, _, 2) => Hair::Quiff,
+        (false, _, 6) => Hair::Fringe,
+        (false, ..) => Hair::Short,
+    }
+}
 
 /// A word that differs between questions asked of the same look (the finaliser of SplitMix64, by Steele, Lea
 /// and Flood).
@@ -254,17 +249,8 @@ impl Appearance {
             (Top::Tee, 2..=4) if age != Age::Elder => Bottom::Shorts,
             _ => Bottom::Trousers,
         };
-        let hair = match (woman, age, (turn + ask(4)) % 6) {
-            (false, Age::Elder, 0..=2) => Hair::Thin,
-            (true, Age::Elder, 0..=2) => Hair::Curls,
-            (true, _, 0 | 1) => Hair::Long,
-            (true, _, 2) => Hair::Ponytail,
-            (true, _, 3) => Hair::Bun,
-            (true, _, 4) => Hair::Bob,
-            (_, _, 5) => Hair::Curls,
-            (false, Age::Adult, 4) => Hair::Thin,
-            _ => Hair::Short,
-        };
+        let skin_rgb = SKIN[(turn + ask(11)) % SKIN.len()];
+        let hair = hairdo(age, woman, skin_rgb[0] < DARK_SKIN, turn + ask(4), ask(20));
         let hat = match (woman, age, (turn + ask(5)) % 12) {
             (_, Age::Child | Age::Teen, 0 | 1) | (false, _, 0) => Hat::Cap,
             (_, _, 2) => Hat::Beanie,
@@ -286,21 +272,36 @@ impl Appearance {
             (_, 3) => Stance::Talks,
             _ => Stance::HandsOnHips,
         };
-        let top_weave = match (top, ask(18) % 6) {
-            (Top::Tee, 0 | 1) | (Top::Dress | Top::Shirt, 0) => Weave::Stripes,
-            (Top::Shirt, 1 | 2) | (Top::Dress | Top::Coat, 1) => Weave::Checks,
-            (Top::Hoodie, _) | (Top::Shirt, 3) => Weave::Knit,
-            (Top::Jacket, 0) => Weave::Denim,
+        let top_weave = match (top, ask(18) % 12) {
+            (Top::Tee, 0 | 1) => Weave::Stripes,
+            (Top::Shirt, 1..=3) | (Top::Dress | Top::Coat, 1) => Weave::Checks,
+            (Top::Hoodie, _) | (Top::Shirt, 4) => Weave::Knit,
+            (Top::Jacket, 0 | 1) => Weave::Denim,
             _ => Weave::Plain,
         };
         let bottom_rgb = pick(&BOTTOMS, 10);
         let bottom_weave = match (bottom, bottom_rgb) {
-            (Bottom::Skirt, _) if ask(19) % 4 == 0 => Weave::Checks,
+            (Bottom::Skirt, _) if ask(19) % 6 == 0 => Weave::Checks,
             // Blue ones are jeans.
             (_, [r, _, b]) if b > 1.5 * r => Weave::Denim,
             _ => Weave::Plain,
         };
-        let spread = (ask(8) % 1000) as f32 / 1000.0;
+        let share = |question: u64| (ask(question) % 1000) as f32 / 1000.0;
+        let grown = matches!(age, Age::Adult | Age::Elder);
+        let beard = match (turn / 3 + ask(21)) % 7 {
+            _ if woman || !grown => Beard::None,
+            0 => Beard::Full,
+            1 | 2 => Beard::Stubble,
+            3 => Beard::Goatee,
+            4 if age == Age::Elder => Beard::Moustache,
+            _ => Beard::None,
+        };
+        let shoe = match (top, (turn + ask(22)) % 5) {
+            (Top::Suit, _) | (Top::Coat, 0..=2) => Shoe::Leather,
+            (_, 0) => Shoe::Boots,
+            (_, 1) if grown => Shoe::Leather,
+            _ => Shoe::Sports,
+        };
         let look = Self {
             age,
             woman,
@@ -309,18 +310,34 @@ impl Appearance {
             bottom,
             hair,
             hat,
+            beard,
+            glasses: grown && (turn + ask(23)).is_multiple_of(4),
+            shoe,
             carried,
             stance,
-            height: 0.95 + 0.10 * spread,
+            face: [24, 25, 26, 27].map(share),
+            loose: share(28),
+            long: share(29),
+            tucks: ask(30) % 3 == 0,
+            height: 0.95 + 0.10 * share(8),
             top_weave,
             bottom_weave,
             top_rgb: TOPS[(3 * turn + ask(9)) % TOPS.len()],
             bottom_rgb,
-            skin_rgb: SKIN[(turn + ask(11)) % SKIN.len()],
-            hair_rgb: if age == Age::Elder { pick(&GREY, 12) } else { pick(&HAIR, 12) },
-            shoe_rgb: pick(&SHOES, 13),
+            skin_rgb,
+            hair_rgb: match age {
+                Age::Elder => pick(&GREY, 12),
+                Age::Adult if ask(31) % 9 == 0 => pick(&GREY, 12),
+                // The first two are dark.
+                _ if skin_rgb[0] < DARK_SKIN => pick(&HAIR[..2], 12),
+                _ => pick(&HAIR, 12),
+            },
+            shoe_rgb: if shoe == Shoe::Boots { pick(&SHOES[..2], 13) } else { pick(&SHOES, 13) },
             extra_rgb: pick(&EXTRAS, 14),
-            dog_m: 0.30 + 0.22 * (ask(16) % 1000) as f32 / 1000.0,
+            accent_rgb: ACCENTS[(turn + ask(32)) % ACCENTS.len()],
+            helmet_rgb: RIDERS_HELMETS[(3 * turn + ask(33)) % RIDERS_HELMETS.len()],
+            jacket_rgb: RIDERS_JACKETS[(5 * turn + ask(34)) % RIDERS_JACKETS.len()],
+            dog_m: 0.30 + 0.22 * share(16),
         };
         look.with_them(model.special, pick(&COATS, 17)).at_work(model.special, turn)
     }
@@ -346,8 +363,15 @@ impl Appearance {
             bottom: Bottom::Trousers,
             hair: Hair::Short,
             hat: Hat::None,
+            beard: Beard::None,
+            glasses: false,
+            shoe: Shoe::Leather,
             carried: Carried::Nothing,
             stance: Stance::ArmsHang,
+            face: [0.5; 4],
+            loose: 0.4,
+            long: 0.5,
+            tucks: false,
             height: 1.0,
             top_weave: Weave::Plain,
             bottom_weave: Weave::Plain,
@@ -357,6 +381,9 @@ impl Appearance {
             hair_rgb: HAIR[0],
             shoe_rgb: SHOES[0],
             extra_rgb: EXTRAS[0],
+            accent_rgb: ACCENTS[0],
+            helmet_rgb: RIDERS_HELMETS[0],
+            jacket_rgb: RIDERS_JACKETS[0],
             dog_m: 0.0,
         }
     }
@@ -379,7 +406,8 @@ impl Appearance {
         let hair = if self.woman { Hair::Ponytail } else { Hair::Short };
         let bottom = Bottom::Trousers;
         let (top_weave, bottom_weave) = (Weave::Plain, Weave::Plain);
-        Self { top_weave, bottom_weave, hat, extra_rgb, carried, stance, hair, bottom, ..worn }
+        let shoe = Shoe::Boots;
+        Self { shoe, top_weave, bottom_weave, hat, extra_rgb, carried, stance, hair, bottom, ..worn }
     }
 
     /// The same in the uniform of the police, with whatever is on their head.
@@ -404,9 +432,19 @@ impl Appearance {
             if full_helmet || self.bottom == Bottom::Skirt { Bottom::Trousers } else { self.bottom };
         self.top = match self.top {
             Top::Coat | Top::Dress | Top::Suit => Top::Jacket,
-            Top::Tee if full_helmet => Top::Jacket,
+            Top::Tee | Top::Shirt if full_helmet => Top::Jacket,
             top => top,
         };
+        // Motorcyclists wear what is made for it, cyclists often what they have.
+        if full_helmet || self.top == Top::Jacket {
+            self.top_rgb = self.jacket_rgb;
+            self.top_weave = Weave::Plain;
+        }
+        if full_helmet {
+            self.shoe = Shoe::Boots;
+            self.glasses = false;
+        }
+        self.extra_rgb = self.helmet_rgb;
         self.stance = Stance::ArmsHang;
         self
     }
@@ -433,6 +471,43 @@ impl Appearance {
     #[must_use]
     pub fn bare_legs(&self) -> bool {
         self.bottom != Bottom::Trousers
+    }
+
+    /// Whether the top is worn in the trousers, so that a belt shows.
+    #[must_use]
+    pub fn tucked(&self) -> bool {
+        self.tucks && matches!(self.top, Top::Shirt | Top::Tee) && self.bottom != Bottom::Skirt
+    }
+
+    /// Whether trousers have a crease.
+    #[must_use]
+    pub fn pressed(&self) -> bool {
+        self.top == Top::Suit || self.top == Top::Uniform || self.shoe == Shoe::Leather && self.tucks
+    }
+
+    /// Whether a jacket or a coat is open at the neck, so that what is below shows.
+    #[must_use]
+    pub fn open(&self) -> bool {
+        let rides = self.hat == Hat::FullHelmet;
+        self.top == Top::Coat || self.top == Top::Jacket && self.face[2] > 0.45 && !rides
+    }
+
+    /// Whether a skirt or a coat's tails hang about the thighs.
+    #[must_use]
+    pub fn hangs(&self) -> bool {
+        self.bottom == Bottom::Skirt || self.top == Top::Coat
+    }
+
+    /// How much a skirt or a coat widens downward: 0 not, 1 as a bell.
+    #[must_use]
+    pub fn flare(&self) -> f32 {
+        if self.top == Top::Coat { 0.25 + 0.25 * self.loose } else { 0.25 + 0.75 * self.loose }
+    }
+
+    /// How far down the thigh a skirt reaches, as a share of it.
+    #[must_use]
+    pub fn skirt(&self) -> f32 {
+        0.68 + 0.30 * self.long
     }
 
     /// How much wider the trunk is than of somebody average.

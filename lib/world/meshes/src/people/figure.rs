@@ -275,7 +275,9 @@ impl Figure {
     #[must_use]
     pub fn hat_share(look: &Appearance) -> f32 {
         match (look.hat, look.hair) {
-            (Hat::None, Hair::Curls) => 0.016,
+            (Hat::None, Hair::Afro) => 0.026,
+            (Hat::None, Hair::Curls | Hair::Quiff) => 0.012,
+            (Hat::None, Hair::Bald) => -0.002,
             (Hat::None, _) => 0.0,
             (Hat::Cap, _) => 0.008,
             (Hat::Scarf, _) => 0.006,

@@ -11,13 +11,14 @@ mod dog;
 mod figure;
 mod gait;
 mod joints;
+mod palette;
 mod pram;
 mod reach;
 mod sitting;
 mod walk;
 mod walker;
 
-pub use appearance::{APPEARANCES, Appearance, Bottom, Build, Carried, Hair, Hat, Stance, Top};
+pub use appearance::{APPEARANCES, Appearance, Beard, Bottom, Build, Carried, Hair, Hat, Shoe, Stance, Top};
 pub use figure::{BONES, Bone, Bones, Figure, Measures, Side};
 pub use joints::{about_y, about_z};
 pub use reach::Seat;

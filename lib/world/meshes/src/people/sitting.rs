@@ -4,7 +4,7 @@ use frames::math::f32::{cos, sin};
 use glam::{Affine3A, Mat3A, Vec3};
 
 use crate::people::appearance::{Carried, Stance};
-use crate::people::body::limbs::thigh_reach_m;
+use crate::people::body::legs::thigh_reach_m;
 use crate::people::figure::{BONES, Bone, Bones, Figure, Side};
 use crate::people::joints::{about_y, about_z, frame};
 

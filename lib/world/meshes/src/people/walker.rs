@@ -49,7 +49,7 @@ impl Walker {
     #[must_use]
     pub fn of_meshes(mut figure: Figure, meshes: Arc<[(Bone, Arc<TriMesh>)]>) -> Self {
         let outer: Arc<[(Bone, Vec<Vec3A>)]> =
-            meshes.iter().map(|(bone, mesh)| (*bone, outermost(mesh))).collect();
+            meshes.iter().map(|(bone, mesh)| (*bone, outermost(*bone, mesh))).collect();
         // The box stands about the origin: what reaches farther back than ahead moves the body ahead.
         let standing = bounds(&figure.walking(0.0, 0.0), &outer);
         let middle = 0.5 * (standing.min + standing.max);
@@ -137,12 +137,18 @@ fn bounds(bones: &Bones, outer: &[(Bone, Vec<Vec3A>)]) -> Aabb {
     found
 }
 
+/// Of a head all vertices are kept that are so near to its highest: whichever way it nods, one of them is
+/// the highest of somebody.
+const CROWN_M: f32 = 0.012;
+
 /// For each of 218 directions spread over the sphere the vertex that is farthest out.
-fn outermost(mesh: &TriMesh) -> Vec<Vec3A> {
+fn outermost(bone: Bone, mesh: &TriMesh) -> Vec<Vec3A> {
     // Of long things, directions are spread over their breadth as over their length.
     let bounds = mesh.aabb();
     let per_size = (bounds.max - bounds.min).max(Vec3::splat(1e-3)).recip();
-    let mut chosen: Vec<usize> = Vec::new();
+    let is_crown = |p: &Vec3| bone == Bone::Head && p.z > bounds.max.z - CROWN_M;
+    let mut chosen: Vec<usize> =
+        mesh.positions.iter().enumerate().filter(|(_, p)| is_crown(p)).map(|(k, _)| k).collect();
     let steps = [-3, -2, -1, 0, 1, 2, 3];
     for x in steps {
         for y in steps {

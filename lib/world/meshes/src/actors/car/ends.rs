@@ -8,6 +8,7 @@ use schema::lights;
 
 use super::Car;
 use crate::actors::decal::{disc, patch};
+use crate::actors::plates::SHEETING;
 
 /// Four corners `(y, z)` on the left: inner below, outer below, outer above, inner above.
 type Corners = [(f32, f32); 4];
@@ -230,14 +231,7 @@ impl Car<'_> {
         if end.detail == Detail::Full {
             end.across(self.looks.trim, [half + 0.015; 2], [z - 0.012, z + 0.122], 0.014, [4, 1]);
         }
-        end.across(self.reflector([0.78, 0.78, 0.76]), [half; 2], [z, z + 0.11], 0.019, [4, 1]);
-        if end.detail == Detail::Full {
-            // The characters as two dark groups.
-            for y in [-0.62, 0.10] {
-                let corners = block([y * half, (y + 0.52) * half], [z + 0.028, z + 0.082]);
-                end.patch(self.looks.gap, corners, 1.0, 0.021, [2, 1]);
-            }
-        }
+        end.across(self.reflector(SHEETING), [half; 2], [z, z + 0.11], 0.019, [4, 1]);
     }
 
     pub(crate) fn tail(&self, b: &mut MeshBuilder, detail: Detail) {

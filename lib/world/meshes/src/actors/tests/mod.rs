@@ -217,11 +217,11 @@ fn sizes_in_triangles_are_moderate() {
             || models::find_parked(&name).is_some()
             || trains::find(&name).is_some();
         let most = if drives {
-            8000
+            9500
         } else if name.starts_with("tree") {
             14_000
         } else if actor.rig.is_some() {
-            5500
+            7400
         } else if name.starts_with("bush") {
             3500
         } else if name.starts_with("plant") {

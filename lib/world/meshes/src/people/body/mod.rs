@@ -1,10 +1,19 @@
 //! Bodies: a closed mesh for each bone, overlapping at the joints.
 
+mod arms;
+mod bags;
+mod cranium;
 mod dog;
+mod face;
+mod garments;
+mod hair;
+mod hats;
 mod head;
-pub(crate) mod limbs;
+pub(crate) mod legs;
 mod pram;
 mod shape;
+mod shoes;
+mod skull;
 mod stuffs;
 mod torso;
 
@@ -13,7 +22,7 @@ use glam::Vec3;
 use schema::Tag;
 use schema::geometry::{MeshPart, Surface, TriMesh};
 
-use self::shape::{lofted, slice};
+use self::shape::{level_at, lofted, part_in_two, slice};
 use self::stuffs::Stuffs;
 use crate::people::appearance::Carried;
 use crate::people::dog::{Dog, LEGS};
@@ -31,7 +40,13 @@ impl Figure {
             let mut b = MeshBuilder::at(detail);
             fill(&mut b);
             if !b.is_empty() {
-                made.push((bone, b.finish()));
+                let mut mesh = b.finish();
+                level_at(&mut mesh, &self.joints(bone));
+                if bone == Bone::Pelvis && detail == Detail::Full && !self.look.hangs() {
+                    let h = self.stature;
+                    part_in_two(&mut mesh, self.hip_y, [-0.020 * h, 0.060 * h]);
+                }
+                made.push((bone, mesh));
             }
         };
         add(Bone::Pelvis, &|b| torso::pelvis(b, self, &stuffs));
@@ -39,13 +54,13 @@ impl Figure {
         add(Bone::Head, &|b| head::head(b, self, &stuffs));
         for side in Side::BOTH {
             let [upper, lower] = side.arm();
-            add(upper, &|b| limbs::upper_arm(b, self, &stuffs));
-            add(lower, &|b| limbs::forearm(b, self, &stuffs, side));
+            add(upper, &|b| arms::upper_arm(b, self, &stuffs, side));
+            add(lower, &|b| arms::forearm(b, self, &stuffs, side));
             let [thigh, shin, foot, toes] = side.leg();
-            add(thigh, &|b| limbs::thigh(b, self, &stuffs, side));
-            add(shin, &|b| limbs::shin(b, self, &stuffs));
-            add(foot, &|b| limbs::foot(b, self, &stuffs));
-            add(toes, &|b| limbs::toes(b, self, &stuffs));
+            add(thigh, &|b| legs::thigh(b, self, &stuffs, side));
+            add(shin, &|b| legs::shin(b, self, &stuffs, side));
+            add(foot, &|b| shoes::foot(b, self, &stuffs));
+            add(toes, &|b| shoes::toes(b, self, &stuffs));
         }
         match self.look.carried {
             Carried::Cane => add(Bone::Cane, &|b| cane(b, self, &stuffs)),
@@ -70,6 +85,20 @@ impl Figure {
             _ => {}
         }
         made
+    }
+}
+
+impl Figure {
+    /// Heights at which a bone's surface goes on as another's, and how far from there, metres.
+    fn joints(&self, bone: Bone) -> Vec<[f32; 2]> {
+        use Bone::*;
+        match bone {
+            UpperArmLeft | UpperArmRight => vec![[-self.upper_arm, 0.16 * self.upper_arm]],
+            ForearmLeft | ForearmRight => vec![[0.0, 0.16 * self.forearm]],
+            ThighLeft | ThighRight => vec![[0.0, 0.18 * self.thigh], [-self.thigh, 0.16 * self.thigh]],
+            ShinLeft | ShinRight => vec![[0.0, 0.16 * self.shin]],
+            _ => Vec::new(),
+        }
     }
 }
 

@@ -15,6 +15,10 @@ pub(crate) struct Stuffs {
     pub(crate) hair: MeshPart,
     pub(crate) shoe: MeshPart,
     pub(crate) extra: MeshPart,
+    /// The top where it is hemmed, ribbed or sewn on: a little darker.
+    pub(crate) trim: MeshPart,
+    /// What stands out from the top: a tie, what is worn below a jacket.
+    pub(crate) accent: MeshPart,
 }
 
 impl Stuffs {
@@ -32,6 +36,8 @@ impl Stuffs {
             hair: cloth(look.hair_rgb),
             shoe: MeshPart::new(tag, Surface::Rubber, look.shoe_rgb),
             extra: cloth(look.extra_rgb),
+            trim: cloth(look.top_rgb.map(|c| 0.78 * c)),
+            accent: cloth(look.accent_rgb),
         }
     }
 

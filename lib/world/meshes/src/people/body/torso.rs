@@ -1,51 +1,97 @@
-//! Hips and chest, with what is worn on them and carried on the back.
+//! Hips and chest with the clothes on them.
+
+use std::f32::consts::PI;
 
 use crate::solids::MeshBuilder;
-use glam::Vec3;
+use catalogue::Age;
+use frames::math::f32::{cos, sin};
 use schema::geometry::{MeshPart, Surface};
 
-use super::shape::{Slice, lofted, slice, solid};
+use super::bags::{backpack, shoulder_bag};
+use super::garments::{belt, fastened};
+use super::shape::{Shaped, Slice, apart, bump, cloth, slice};
 use super::stuffs::Stuffs;
 use crate::people::appearance::{Appearance, Bottom, Build, Carried, Top};
 use crate::people::figure::Figure;
 
-const SIDES: usize = 12;
+/// Sides of hips and chest: see [`Shaped`].
+const SIDES: [usize; 2] = [16, 12];
 const BAND: [f32; 3] = [0.75, 0.76, 0.74];
 
-/// How thick the clothes on the trunk are, as a factor.
-fn cloth(look: &Appearance) -> f32 {
-    match look.top {
-        Top::Coat => 1.10,
-        Top::Jacket | Top::Hoodie | Top::HiVis => 1.08,
-        Top::Suit | Top::Uniform => 1.05,
-        _ => 1.0,
-    }
+/// How broad the hips are.
+fn hips(look: &Appearance) -> f32 {
+    look.girth() * if look.woman { 1.06 } else { 1.0 }
+}
+
+/// A coat or a skirt about hips and thighs, at heights over the hips. Shares of the stature.
+fn hanging_slice(look: &Appearance, z: f32, flare: f32) -> Slice {
+    let g = look.girth();
+    let down = (-z).max(0.0);
+    let up = (z / 0.095).clamp(0.0, 1.0);
+    let (front, back, half) =
+        (0.066 + 0.10 * flare * down, 0.081 + 0.12 * flare * down, 0.110 + 0.14 * flare * down);
+    let coat = look.top == Top::Coat;
+    let waist = if coat {
+        1.02
+    } else if look.woman {
+        0.86
+    } else {
+        0.93
+    };
+    let narrow = |v: f32, at_waist: f32| v + (at_waist - v) * up;
+    let [front, back, half] =
+        [narrow(front, 0.056), narrow(back, if coat { 0.061 } else { 0.054 }), narrow(half, 0.092 * waist)];
+    slice(z, front * g, back, half * hips(look))
 }
 
 pub(super) fn pelvis(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
     let h = f.stature;
     let g = f.look.girth();
-    let wide = if f.look.woman { 1.06 } else { 1.0 } * g;
+    let wide = hips(&f.look);
     let cut = |z: f32, front: f32, back: f32, half: f32| slice(z * h, front * h, back * h, half * h);
     let slices = [
-        cut(-0.060, 0.020, 0.030, 0.012),
-        cut(-0.050, 0.034, 0.048, 0.036),
-        cut(-0.028, 0.047 * g, 0.064, 0.084 * wide),
-        cut(0.000, 0.054 * g, 0.072, 0.097 * wide),
-        cut(0.035, 0.054 * g, 0.064, 0.094 * wide),
-        cut(0.075, 0.051 * g, 0.051, 0.083 * g),
-        cut(0.105, 0.046 * g, 0.046, 0.076 * g),
-        cut(0.118, 0.030, 0.030, 0.050),
+        cut(-0.060, 0.020, 0.030, 0.014),
+        cut(-0.052, 0.038, 0.054, 0.058),
+        cut(-0.030, 0.050 * g, 0.068, 0.095 * wide),
+        cut(0.000, 0.056 * g, 0.074, 0.0995 * wide),
+        cut(0.035, 0.055 * g, 0.066, 0.095 * wide),
+        cut(0.075, 0.052 * g, 0.053, 0.085 * g),
+        cut(0.105, 0.047 * g, 0.047, 0.078 * g),
     ];
-    lofted(b, &slices, SIDES, 0.92, |_, _| s.bottom);
-    if f.look.bottom == Bottom::Skirt {
-        let hang = [
-            cut(-0.070, 0.068 * g, 0.084, 0.112 * wide),
-            cut(-0.025, 0.061 * g, 0.078, 0.106 * wide),
-            cut(0.035, 0.057 * g, 0.067, 0.097 * wide),
-            cut(0.085, 0.053 * g, 0.053, 0.082 * g),
-        ];
-        solid(b, s.bottom, &hang, SIDES);
+    // Two halves behind.
+    let relief = |z: f32, angle: f32| {
+        let seat = bump((z / h + 0.005) / 0.055);
+        h * seat
+            * (0.006 * bump(apart(angle, 0.82 * PI) / 0.5) + 0.006 * bump(apart(angle, 1.18 * PI) / 0.5)
+                - 0.005 * bump(apart(angle, PI) / 0.3))
+    };
+    let body = Shaped { slices: &slices, sides: SIDES, square: 0.92, between: 0, relief: &relief };
+    body.add(b, |_| s.bottom);
+    if f.look.bottom != Bottom::Skirt {
+        belt(b, f, s, &body);
+    }
+    let flare = f.look.flare();
+    let over = match (f.look.top, f.look.bottom) {
+        (Top::Coat, _) => Some((s.top, cloth(&f.look), f.coat_hem())),
+        (_, Bottom::Skirt) => Some((s.bottom, 1.0, f.skirt_hem())),
+        _ => None,
+    };
+    if let Some((part, thick, hem)) = over {
+        let hang: Vec<Slice> = [1.0, 0.93, 0.62, 0.30]
+            .map(|share| share * hem)
+            .into_iter()
+            .chain([0.0, 0.045, 0.085])
+            .map(|z| {
+                let slice = hanging_slice(&f.look, z, flare).wider(h * thick);
+                Slice { z: z * h, ..slice }
+            })
+            .collect();
+        // A few soft folds, deeper towards the hem.
+        let relief = |z: f32, angle: f32| {
+            let down = (z / (hem * h)).clamp(0.0, 1.0);
+            0.0065 * h * flare * down * cos(4.0 * angle + 0.9)
+        };
+        Shaped { slices: &hang, sides: SIDES, square: 0.94, between: 0, relief: &relief }.add(b, |_| part);
     }
 }
 
@@ -53,22 +99,32 @@ pub(super) fn pelvis(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
 fn ribs(f: &Figure) -> Vec<Slice> {
     let look = &f.look;
     let g = look.girth();
-    let belly = if look.build == Build::Heavy { 1.22 } else { 1.0 };
-    let (waist, across, bust) = if look.woman { (0.90, 0.93, 1.16) } else { (1.0, 1.0, 1.0) };
+    let belly = match (look.build, look.age) {
+        (Build::Heavy, _) => 1.24,
+        (_, Age::Elder) => 1.08,
+        _ => 1.0,
+    };
+    let (waist, across) = if look.woman { (0.89, 0.93) } else { (1.0, 1.0) };
+    let coat = look.top == Top::Coat;
     // Shoulders: the chest ends inside the upper arms.
     let reach = (f.shoulder.y / f.stature) / 0.104;
-    let cut = |z: f32, front: f32, back: f32, half: f32| slice(z, front, back, half);
+    let broad = reach.max(0.9 * g);
     vec![
-        cut(0.020, 0.052 * g * belly, 0.049, 0.081 * g * waist),
-        cut(0.070, 0.056 * g * belly.sqrt(), 0.054, 0.088 * g * across),
-        cut(0.110, 0.060 * g * bust, 0.058, 0.096 * g * across),
-        cut(0.140, 0.060 * g * bust, 0.060, 0.100 * g * across),
-        cut(0.168, 0.053 * g, 0.061, 0.108 * reach),
-        cut(0.190, 0.045, 0.056, 0.110 * reach),
-        cut(0.206, 0.038, 0.049, 0.098 * reach),
-        cut(0.219, 0.033, 0.042, 0.070 * reach),
-        cut(0.231, 0.027, 0.033, 0.042),
-        cut(0.240, 0.020, 0.024, 0.025),
+        slice(
+            0.020,
+            0.053 * g * belly,
+            if coat { 0.057 } else { 0.050 },
+            0.085 * g * waist * if coat { 1.08 } else { 1.0 },
+        ),
+        slice(0.070, 0.057 * g * belly.sqrt(), 0.055, 0.090 * g * across),
+        slice(0.110, 0.060 * g, 0.059, 0.098 * g * across),
+        slice(0.140, 0.060 * g, 0.061, 0.102 * g.min(broad) * across),
+        slice(0.168, 0.054 * g, 0.061, 0.109 * reach),
+        slice(0.186, 0.047, 0.057, 0.114 * reach),
+        slice(0.200, 0.040, 0.051, 0.108 * reach),
+        slice(0.211, 0.036, 0.046, 0.088 * reach),
+        slice(0.221, 0.033, 0.042, 0.062 * reach),
+        slice(0.231, 0.029, 0.037, 0.043),
     ]
 }
 
@@ -76,11 +132,43 @@ fn ribs(f: &Figure) -> Vec<Slice> {
 /// at the waist.
 fn hem(look: &Appearance) -> f32 {
     match look.top {
-        Top::Coat => 0.120,
         Top::Suit => 0.140,
-        Top::Jacket | Top::Hoodie | Top::HiVis => 0.115,
-        Top::Tee | Top::Shirt if look.bottom != Bottom::Skirt => 0.105,
+        Top::HiVis => 0.120,
+        Top::Jacket | Top::Hoodie => 0.112,
+        Top::Tee | Top::Shirt if look.bottom != Bottom::Skirt && !look.tucked() => 0.112,
         _ => 0.020,
+    }
+}
+
+/// What hangs below the waist, from the hem up.
+fn below_waist(look: &Appearance) -> Vec<Slice> {
+    let (g, wide) = (look.girth(), hips(look));
+    let over = |z: f32, front: f32, back: f32, half: f32| slice(z, front * g, back, half * wide);
+    let narrow = if look.woman { 0.93 } else { 1.0 };
+    let low = hem(look);
+    if matches!(look.top, Top::Coat | Top::Dress) {
+        // It goes on as what hangs from the hips.
+        let over = |z: f32| Slice { z, ..hanging_slice(look, z + 0.095, look.flare()).wider(1.015) };
+        return vec![over(-0.045), over(-0.012)];
+    }
+    if low < 0.05 {
+        return vec![slice(-low, 0.054 * g, 0.052, 0.086 * g * narrow)];
+    }
+    match look.top {
+        // A ribbed band holds it, and it bags over that.
+        Top::Hoodie | Top::Jacket => vec![
+            over(-low, 0.059, 0.074, 0.1035),
+            over(-0.088, 0.059, 0.073, 0.1035),
+            over(-0.078, 0.066, 0.078, 0.109),
+            over(-0.040, 0.064, 0.070, 0.105),
+            over(-0.010, 0.060, 0.060, 0.096 * narrow),
+        ],
+        _ => vec![
+            over(-low, 0.068, 0.083, 0.1140),
+            over(-low + 0.012, 0.067, 0.082, 0.1130),
+            over(-0.055, 0.063, 0.073, 0.1055),
+            over(-0.020, 0.057, 0.059, 0.093 * narrow),
+        ],
     }
 }
 
@@ -88,24 +176,10 @@ pub(super) fn chest(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
     let h = f.stature;
     let look = &f.look;
     let thick = cloth(look);
-    let wide = if look.woman { 1.06 } else { 1.0 } * look.girth();
     // The chest's own measures are those of somebody whose neck begins at 0.219 of the stature over the
     // waist.
     let tall = f.neck.z / (0.219 * h);
-    let low = hem(look);
-    let mut slices: Vec<Slice> = Vec::new();
-    if low > 0.05 {
-        let over =
-            |z: f32, front: f32, back: f32, half: f32| slice(z, front * look.girth(), back, half * wide);
-        slices.push(over(-low, 0.064, 0.083, 0.114));
-        if low > 0.10 {
-            slices.push(over(-0.095, 0.063, 0.081, 0.112));
-        }
-        slices.push(over(-0.055, 0.058, 0.069, 0.101));
-        slices.push(over(-0.020, 0.054, 0.055, 0.088));
-    } else {
-        slices.push(slice(-low, 0.053 * look.girth(), 0.053, 0.085 * look.girth()));
-    }
+    let mut slices = below_waist(look);
     let hips = slices.len();
     slices.extend(ribs(f));
     let slices: Vec<Slice> = slices
@@ -116,120 +190,62 @@ pub(super) fn chest(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
             Slice { z: h * z, ..c.wider(h * by) }
         })
         .collect();
-    let front = |j: usize, reach: usize| j + 1 + reach >= SIDES || j < reach;
+    let relief = |z: f32, angle: f32| h * modelled(look, z / (h * tall), angle);
+    let body = Shaped { slices: &slices, sides: SIDES, square: 0.88, between: 0, relief: &relief };
     let band = MeshPart::new(s.tag, Surface::Reflector, BAND);
-    let white = s.cloth([0.70, 0.70, 0.68]);
-    let tie = s.cloth([0.20, 0.02, 0.03]);
     let vest = s.cloth([0.60, 0.72, 0.03]);
-    let zip = s.cloth(look.top_rgb.map(|c| 0.45 * c));
-    let inside = s.cloth(if look.extra_rgb[2] < 0.05 { [0.30, 0.30, 0.29] } else { [0.025, 0.027, 0.032] });
-    let top = look.top;
-    lofted(b, &slices, SIDES, 0.88, |k, j| match top {
+    body.add(b, |k| match look.top {
         Top::HiVis if k + 1 == hips || k == hips + 2 => band,
         Top::Uniform if k == hips || k == hips + 2 => vest,
-        Top::Suit if k > hips + 2 && front(j, 0) => white,
-        Top::Jacket | Top::Coat if k > hips + 3 && front(j, 0) => inside,
-        Top::Jacket | Top::Coat | Top::Hoodie if front(j, 0) => zip,
+        Top::Hoodie | Top::Jacket if k == 0 => s.trim,
+        // The neck is bare down to where an opening begins.
+        Top::Tee | Top::Dress if k >= hips + if look.woman { 7 } else { 8 } => s.skin,
+        Top::Shirt | Top::Suit if k >= hips + 8 => s.skin,
+        Top::Jacket | Top::Coat if k >= hips + 8 && look.open() => s.accent,
         _ => s.top,
     });
-    collar(b, f, s, tall);
-    if look.top == Top::Suit && !look.woman {
-        let at = |x: f32, z: f32| Vec3::new(x * h * thick, 0.0, z * tall * h);
-        let wide = 0.052 * look.girth();
-        b.bar(tie, at(wide + 0.003, 0.07), at(wide + 0.004, 0.14), [0.010 * h, 0.007 * h], 6);
-        b.bar(tie, at(wide + 0.004, 0.14), at(0.034, 0.218), [0.007 * h, 0.006 * h], 6);
-    }
+    fastened(b, f, s, &body, tall);
     match look.carried {
-        Carried::Backpack => backpack(b, f, s),
+        Carried::Backpack => backpack(b, f, s, &body, tall),
         Carried::ShoulderBag => shoulder_bag(b, f, s),
         _ => {}
     }
 }
 
-/// A collar, or the hood on the back.
-fn collar(b: &mut MeshBuilder, f: &Figure, s: &Stuffs, tall: f32) {
-    let h = f.stature;
-    let at = |z: f32| z * tall * h;
-    let part = if f.look.top == Top::Suit { s.cloth([0.70, 0.70, 0.68]) } else { s.top };
-    match f.look.top {
-        Top::Jacket | Top::Coat | Top::Suit | Top::Shirt | Top::Uniform | Top::HiVis => {
-            let ring = [
-                slice(at(0.205), 0.036 * h, 0.042 * h, 0.052 * h),
-                slice(at(0.226), 0.033 * h, 0.038 * h, 0.040 * h),
-                slice(at(0.240), 0.031 * h, 0.036 * h, 0.036 * h),
-            ];
-            solid(b, part, &ring, 12);
+/// How far the trunk stands out from its slices at a height over the waist and an angle, in shares of the
+/// stature: breasts or chest muscles, shoulder blades, spine, and how the cloth falls over them.
+fn modelled(look: &Appearance, z: f32, angle: f32) -> f32 {
+    let ahead = apart(angle, 0.0);
+    let front = bump((ahead - 0.52) / 0.62);
+    let chest = match (look.woman, look.age) {
+        (_, Age::Child) => 0.0,
+        (true, _) => {
+            let full = match look.build {
+                Build::Slim => 0.013,
+                Build::Average => 0.018,
+                Build::Heavy => 0.022,
+            };
+            // Cloth falls from them rather than following.
+            full * front * bump((z - 0.128) / if z < 0.128 { 0.075 } else { 0.055 })
         }
-        Top::Hoodie => {
-            b.ellipsoid(
-                s.top,
-                Vec3::new(-0.044 * h, 0.0, at(0.215)),
-                Vec3::new(0.030, 0.052, 0.034) * h,
-                6,
-                12,
-            );
-        }
-        Top::Tee | Top::Dress => {}
-    }
-}
-
-fn backpack(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
-    let h = f.stature;
-    let size = if f.stature < 1.4 { 0.9 } else { 1.0 };
-    let cut = |z: f32, deep: f32, half: f32| {
-        slice(z * h, 0.045 * h, deep * h * size, half * h * size).at(-0.052 * h, 0.0)
+        (false, _) => 0.006 * front * bump((z - 0.148) / 0.055),
     };
-    let slices = [
-        cut(0.000, 0.050, 0.060),
-        cut(0.012, 0.070, 0.076),
-        cut(0.090, 0.078, 0.080),
-        cut(0.160, 0.062, 0.076),
-        cut(0.190, 0.045, 0.062),
-        cut(0.198, 0.020, 0.040),
-    ];
-    lofted(b, &slices, 12, 0.6, |_, _| s.extra);
-    let pocket = [
-        slice(0.02 * h, 0.03 * h, 0.030 * h, 0.050 * h),
-        slice(0.085 * h, 0.03 * h, 0.026 * h, 0.048 * h),
-        slice(0.095 * h, 0.03 * h, 0.010 * h, 0.040 * h),
-    ]
-    .map(|c| c.at(-0.115 * h * size, 0.0));
-    lofted(b, &pocket, 10, 0.6, |_, _| s.cloth(f.look.extra_rgb.map(|c| 0.6 * c)));
-    let thick = cloth(&f.look);
-    for y in [-0.052, 0.052] {
-        let points = [
-            Vec3::new(-0.055, y, 0.185),
-            Vec3::new(-0.012, 1.08 * y, 0.214),
-            Vec3::new(0.042, 1.12 * y, 0.185),
-            Vec3::new(0.058 * thick, 1.15 * y, 0.120),
-            Vec3::new(0.030, 1.65 * y, 0.060),
-        ];
-        for pair in points.windows(2) {
-            b.bar(s.extra, pair[0] * h, pair[1] * h, [0.008 * h; 2], 5);
-        }
-    }
+    let blades = 0.006 * bump((apart(angle, PI) - 0.62) / 0.5) * bump((z - 0.150) / 0.06);
+    let spine = -0.005 * bump(apart(angle, PI) / 0.35) * bump((z - 0.085) / 0.10);
+    // Cloth that is held at the waist and arms is drawn askew.
+    let drawn = bump((z - 0.050) / 0.050) * 0.0022 * sin(3.0 * angle + 70.0 * z)
+        + bump((z - 0.150) / 0.05) * 0.0018 * frames::math::f32::sin(5.0 * angle - 60.0 * z);
+    chest + blades + spine + drawn
 }
 
-fn shoulder_bag(b: &mut MeshBuilder, f: &Figure, s: &Stuffs) {
-    let h = f.stature;
-    let leather = MeshPart::new(s.tag, Surface::Cloth, f.look.extra_rgb);
-    let side = -(0.122 * f.look.girth() * cloth(&f.look)) * h;
-    let cut = |z: f32, long: f32, half: f32| slice(z * h, long * h, long * h, half * h).at(-0.035 * h, side);
-    let slices = [
-        cut(-0.165, 0.060, 0.018),
-        cut(-0.155, 0.070, 0.024),
-        cut(-0.090, 0.068, 0.022),
-        cut(-0.066, 0.062, 0.012),
-    ];
-    lofted(b, &slices, 12, 0.6, |_, _| leather);
-    let over = Vec3::new(0.0, 0.062, 0.214) * h;
-    let thick = cloth(&f.look) * f.look.girth();
-    for x in [0.060 * thick, -0.064 * thick] {
-        let breast = Vec3::new(x, 0.012, 0.130) * h;
-        let hip = Vec3::new(0.7 * x * h, side + 0.018 * h, -0.02 * h);
-        let clasp = Vec3::new((-0.035 + if x > 0.0 { 0.04 } else { -0.04 }) * h, side, -0.075 * h);
-        for pair in [over, breast, hip, clasp].windows(2) {
-            b.bar(leather, pair[0], pair[1], [0.008 * h; 2], 5);
-        }
+impl Figure {
+    /// Where a skirt and a coat end, over the hips: shares of the stature.
+    pub(super) fn skirt_hem(&self) -> f32 {
+        -self.look.skirt() * self.thigh / self.stature
+    }
+
+    /// See [`Figure::skirt_hem`].
+    pub(super) fn coat_hem(&self) -> f32 {
+        0.80 * self.skirt_hem()
     }
 }
