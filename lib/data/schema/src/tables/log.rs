@@ -147,7 +147,7 @@ table! {
         id: u16,
         /// `Red`, `Yellow`, `Green` or `Off`.
         state: SignalState,
-        /// OpenDRIVE id of the signal; of lights for people who cross `crosswalk:` and the id of the crosswalk.
+        /// OpenDRIVE id of the signal; of lights for walkers `crosswalk:` and the crosswalk's id.
         opendrive_id: String,
     }
 }

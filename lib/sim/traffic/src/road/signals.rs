@@ -130,13 +130,17 @@ impl Signals {
         }
     }
 
-    /// Whether signals hold the traffic for so long: all are red, and turned so just now or stay so.
+    /// Whether signals hold the traffic for so long: all are red, and turned so just now or stay so all the
+    /// time.
     pub(crate) fn hold(&self, signals: &[usize], time_s: f64, for_s: f64) -> bool {
         let red = |after_s: f64| {
             let lights = signals.iter().map(|&s| self.state(s, time_s + after_s));
             lights.filter(|l| *l != SignalState::Off).all(|l| l == SignalState::Red)
         };
-        red(0.0) && (!red(-JUST_RED_S) || red(for_s))
+        // No light is green and yellow for less than a second.
+        let steps = for_s.ceil().clamp(1.0, 600.0);
+        let stay = || (1..=steps as u32).all(|k| red(for_s * f64::from(k) / steps));
+        red(0.0) && (!red(-JUST_RED_S) || stay())
     }
 
     /// Whether none of some signals is on.

@@ -16,8 +16,8 @@ const HELD: [f32; 4] = [-0.94, -0.42, 0.42, 0.94];
 /// The box is so much wider than the arm, and the ends of wires are so far below its top, metres.
 const WIDER_M: f32 = 0.1;
 const ROOM_M: f32 = 0.05;
-/// From where on, how thick and of how many pieces wires are, and every how many of them are there: a wire that
-/// is much thinner than a pixel would be dots, so from afar they are thicker and one stands for two.
+/// From where on, how thick and of how many pieces wires are, and every how many of them are there: what is
+/// much thinner than a pixel would be dots, so from afar they are thicker and one stands for two.
 const LEVELS: [(f64, f32, usize, usize); 4] =
     [(0.0, 0.0125, 6, 1), (15.0, 0.02, 6, 1), (40.0, 0.035, 4, 2), (80.0, 0.05, 3, 2)];
 /// Beyond this there are none, metres.

@@ -30,8 +30,8 @@ const INKS: [[[f32; 3]; 2]; 2] =
     [[[0.80, 0.77, 0.68], [0.72, 0.52, 0.16]], [[0.05, 0.05, 0.055], [0.30, 0.05, 0.04]]];
 /// Boards lighter than this are light.
 const LIGHT: f32 = 0.22;
-/// Names of families that keep shops, made up, and what they sell: as many as have no divisor in common, so that
-/// every board says something else.
+/// Made-up names of families that keep shops, and what they sell: as many as have no divisor in common, so
+/// that every board says something else.
 const NAMES: [&str; 13] = [
     "ALDERBY", "BRENNIK", "CORVANE", "DELLARU", "ESKO", "FARNWOLD", "GRIMALDE", "HOLLMAR", "IVERSOL",
     "JANOWEY", "KETTLER", "LUMBERG", "MARRISK",

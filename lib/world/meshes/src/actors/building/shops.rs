@@ -15,8 +15,8 @@ const RISER_M: f32 = 0.45;
 const SIGN_M: [f32; 2] = [1.05, 0.42];
 /// The lowest edge of awnings, and how far they reach out, metres.
 const AWNING_M: [f32; 2] = [2.4, 0.8];
-/// Shops along a front wall at `x`, from one end to the other, under a floor at `ground`. Gives the numbers of
-/// the boards over them.
+/// Shops along a front wall at `x`, from one end to the other, under a floor at `ground`. Gives the numbers
+/// of the boards over them.
 pub(super) fn shops(
     b: &mut MeshBuilder,
     x: f32,
