@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use render::{RenderError, Renderer};
-use schema::ObjectId;
-use schema::geometry::Snapshot;
+use schema::geometry::{Instance, Snapshot};
+use schema::{ObjectId, Tag};
 
 use super::lens::{ASIDE_M, Lens, LensKey, Window, depths};
 use super::map::{Map, Still};
@@ -136,11 +136,14 @@ impl<'a> StillMaps<'a> {
         let snapshot = self.world.around(lens.centre_m.to_array(), ASIDE_M, lens.detail_m);
         let camera = lens.camera(&snapshot.origin, window);
         let scene = self.renderer.place(&snapshot)?;
-        let some = finer.map(|(finer, window, inner_px)| {
-            let all: Vec<u32> = (0..snapshot.instances.len() as u32).collect();
-            scene.beyond(&finer.camera(&snapshot.origin, window), inner_px, &all)
-        });
-        let depth_m = depths(&*scene, [(&camera, some.as_deref(), lens.panes())])?.pop().unwrap_or_default();
+        let all = casters(&snapshot);
+        let some = match finer {
+            Some((finer, window, inner_px)) => {
+                scene.beyond(&finer.camera(&snapshot.origin, window), inner_px, &all)
+            }
+            None => all,
+        };
+        let depth_m = depths(&*scene, [(&camera, Some(&some[..]), lens.panes())])?.pop().unwrap_or_default();
         Ok(Map::new(lens, window, &camera, depth_m, None).into_still())
     }
 
@@ -148,7 +151,8 @@ impl<'a> StillMaps<'a> {
         let snapshot = self.world.around(lens.centre_m.to_array(), ASIDE_M, lens.detail_m);
         let camera = lens.camera(&snapshot.origin, lens.whole());
         let scene = self.renderer.place(&snapshot)?;
-        let depth_m = depths(&*scene, [(&camera, None, lens.panes())])?.pop().unwrap_or_default();
+        let all = casters(&snapshot);
+        let depth_m = depths(&*scene, [(&camera, Some(&all[..]), lens.panes())])?.pop().unwrap_or_default();
         Ok(Map::new(lens, lens.whole(), &camera, depth_m, None).into_still())
     }
 
@@ -177,6 +181,14 @@ impl<'a> StillMaps<'a> {
         // A thread that panicked inside left a whole entry or none.
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// Numbers of the instances that throw shadows. Wires are thinner than the sun is wide; texels would draw them as
+/// bars.
+fn casters(snapshot: &Snapshot) -> Vec<u32> {
+    let is_wire = |i: &Instance| snapshot.mesh(i).parts.iter().all(|part| part.tag == Tag::Other);
+    let instances = (0..).zip(&snapshot.instances);
+    instances.filter(|(_, i)| !is_wire(i)).map(|(number, _)| number).collect()
 }
 
 impl Kept {
