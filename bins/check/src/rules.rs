@@ -39,7 +39,7 @@ rules! {
     Seats "seats": "who sits is a walker who stands still on a bench of the log: the rear of its box at the back rest within 5 cm, its middle on one of two places and the seat as high as the bench's within 1 cm, looking away from the back rest; no two have one place",
     BoxList "box list": "an agent lists exactly the objects that annotation asks for nearer than the radius, within 1 mm",
     BoxShape "box shape": "corners, centre, size, rotation, velocity, distance, angle, tags (or some of them) and state of a box are those of the log within 1e-5",
-    ImageIds "image ids": "an instance image shows only ids of the log, each with a tag of its list; 0 is sky",
+    ImageIds "image ids": "an instance image shows only ids of the log, each with a tag of its list; 0 is the sky or the horizon's land, vegetation and buildings",
     PointIds "point ids": "lidar and radar return only ids of the log, each with a tag of its list; of a rolling scan (here and below) what moves is carried on with its object from when the ray was fired to the frame's time; what fog and rain send back is left out",
     ScanTimes "scan times": "a lidar's return was fired at the frame's time, or in a rolling scan when its azimuth says, within half a slice and a column",
     Returns "returns": "returns of a beam count from 1 to their number, at growing distance (within noise) and no more than asked for; fog and rain have id, tag and incidence 0, where there is fog or rain and the lidar feels it",

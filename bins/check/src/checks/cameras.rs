@@ -208,6 +208,9 @@ pub(crate) fn label([tag, low, high]: [u8; 3]) -> (u16, u8) {
     (u16::from_le_bytes([low, high]), tag)
 }
 
+/// What is no object: the sky, and what the horizon consists of.
+const OF_NO_OBJECT: [Tag; 4] = [Tag::Sky, Tag::Terrain, Tag::Vegetation, Tag::Building];
+
 /// Planar depth of a pixel of a depth image, m; none where it is that of the sky.
 pub(crate) fn depth_m([low, middle, high]: [u8; 3]) -> Option<f64> {
     let steps = u32::from_le_bytes([low, middle, high, 0]);
@@ -237,7 +240,7 @@ impl Sight<'_> {
         let name = &self.camera.name;
         for (&(id, tag), patch) in &self.parts {
             let holds = if id == 0 {
-                tag == Tag::Sky as u8
+                OF_NO_OBJECT.iter().any(|&of_none| tag == of_none as u8)
             } else {
                 scene.actors.get(&id).is_some_and(|actor| actor.tags.contains(&tag))
             };

@@ -107,7 +107,9 @@ impl Judges<'_, '_> {
         let (x, y) = (column as f64 + 0.5, row as f64 + 0.5);
         let moved = [0.5 * flow[0] * width as f64, -0.5 * flow[1] * height as f64];
         let Some(point) = point_of(now, [x, y], depth, id) else { return };
-        let Some(was) = point_before_or_sky(scene, id, frame, point, now, before) else { return };
+        let Some(was) = point_before_or_sky(scene, (id, depth.is_none()), frame, point, now, before) else {
+            return;
+        };
         let was_m = now.camera.optics.depth_of(was);
         if was_m < NEAR_M {
             return;
@@ -212,20 +214,27 @@ fn moves_its_limbs(tag: u8) -> bool {
 /// The point at a pixel in the optical frame, or the direction of the sky.
 fn point_of(sight: &Sight<'_>, [x, y]: [f64; 2], depth: Option<f64>, id: u16) -> Option<V3> {
     let ray = sight.camera.optics.ray([x, y]);
-    if id == 0 { Some(ray) } else { depth.map(|depth| ray.map(|part| part * depth)) }
+    match depth {
+        None if id == 0 => Some(ray),
+        depth => depth.map(|depth| ray.map(|part| part * depth)),
+    }
 }
 
 /// A point of the optical frame a frame before, in the optical frame of then.
 fn point_before_or_sky(
     scene: &Scene,
-    id: u16,
+    (id, is_endless): (u16, bool),
     frame: usize,
     point: V3,
     now: &Sight<'_>,
     before: &Sight<'_>,
 ) -> Option<V3> {
-    if id == 0 {
+    if id == 0 && is_endless {
         return Some(before.world_from_optical.turn_back(now.world_from_optical.turn(point)));
+    }
+    if id == 0 {
+        // The horizon stands still.
+        return Some(before.world_from_optical.inward(now.world_from_optical.outward(point)));
     }
     let was = point_before(scene, id, frame, now.world_from_optical.outward(point))?;
     Some(before.world_from_optical.inward(was))

@@ -104,10 +104,13 @@ fn bounds(corners: &[Point3<f64>], k: [[f64; 3]; 3]) -> Option<[f64; 4]> {
     Some(around)
 }
 
+/// Labels have two digits of a pixel: what is less wide would have no width.
+const LEAST_PX: f64 = 0.02;
+
 /// What of a rectangle is in the picture.
 fn cut([left, top, right, bottom]: [f64; 4], [width, height]: [f64; 2]) -> Option<[f64; 4]> {
     let inside = [left.max(0.0), top.max(0.0), right.min(width), bottom.min(height)];
-    (inside[0] < inside[2] && inside[1] < inside[3]).then_some(inside)
+    (inside[0] + LEAST_PX <= inside[2] && inside[1] + LEAST_PX <= inside[3]).then_some(inside)
 }
 
 fn area([left, top, right, bottom]: [f64; 4]) -> f64 {
@@ -224,6 +227,14 @@ mod tests {
         let mut sign = car(20.0, 0.0, 0.0);
         sign.raw.class = "traffic_sign".into();
         assert!(of(&sign).is_none());
+    }
+
+    #[test]
+    fn a_hair_of_a_box_in_the_picture_is_none() {
+        let size = [640.0, 480.0];
+        assert_eq!(cut([630.0, 10.0, 700.0, 20.0], size), Some([630.0, 10.0, 640.0, 20.0]));
+        assert_eq!(cut([639.99, 10.0, 700.0, 20.0], size), None);
+        assert_eq!(cut([10.0, -5.0, 20.0, 0.004], size), None);
     }
 
     #[test]

@@ -15,14 +15,14 @@ const SHELL: u16 = 7;
 /// a block that does.
 fn shell(glowing: bool) -> Snapshot {
     let lit = |mesh, object, pose| Instance {
-        lights: if glowing { lights::STREET_LAMP } else { 0 },
+        lights: if glowing { lights::POSITION } else { 0 },
         ..instance(mesh, object, pose)
     };
     let scene = snapshot(
         vec![
             block([4.0, 3.0, 3.0], Tag::Car, Surface::Window),
-            block([1.0, 30.0, 30.0], Tag::Building, Surface::Lamp(lights::STREET_LAMP)),
-            block([1.0, 1.0, 2.8], Tag::Car, Surface::Lamp(lights::STREET_LAMP)),
+            block([1.0, 30.0, 30.0], Tag::Building, Surface::Lamp(lights::POSITION)),
+            block([1.0, 1.0, 2.8], Tag::Car, Surface::Lamp(lights::POSITION)),
         ],
         vec![instance(0, SHELL, at(12.0, 0.0, 0.0, 0.0)), lit(1, 8, at(25.0, 0.0, -10.0, 0.0))],
     );

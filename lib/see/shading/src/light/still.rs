@@ -183,8 +183,8 @@ impl<'a> StillMaps<'a> {
     }
 }
 
-/// Numbers of the instances that throw shadows. Wires are thinner than the sun is wide; texels would draw them as
-/// bars.
+/// Numbers of the instances that throw shadows. Wires are thinner than the sun is wide; texels would draw
+/// them as bars.
 fn casters(snapshot: &Snapshot) -> Vec<u32> {
     let is_wire = |i: &Instance| snapshot.mesh(i).parts.iter().all(|part| part.tag == Tag::Other);
     let instances = (0..).zip(&snapshot.instances);
