@@ -1,8 +1,9 @@
 //! What cameras see beyond the world that is laid out around agents: hills, woods, fields, villages, a
 //! skyline where more of the town is.
 //!
-//! It is for pictures alone: rays, boxes, masks and voxels know nothing of it. It follows from the map, and
-//! so is the same for all scenes, agents and frames on it. It is coarse: it begins hundreds of metres off.
+//! It is for pictures alone: rays, boxes, masks and voxels know nothing of it. It follows from the map and
+//! the season, and so is the same for all scenes, agents and frames on it. It is coarse: it begins hundreds
+//! of metres off.
 
 mod plot;
 mod roads;
@@ -14,6 +15,7 @@ use opendrive::Map;
 use random::Stream;
 use schema::geometry::TriMesh;
 
+use crate::noise::{entity, smooth};
 use crate::surfaces::{Field, waters};
 use plot::{PLOT_M, SQUARE_M, Use};
 use roads::Roads;
@@ -110,15 +112,7 @@ impl Land {
     /// Smooth noise, 0 to 1, about one hill a unit.
     fn noise(&self, which: u64, x: f64, y: f64) -> f64 {
         let stream = Stream::new(self.seed, which, "land/horizon/noise", 0);
-        let value = |i: f64, j: f64| {
-            let index = u64::from(i as i64 as u32) << 32 | u64::from(j as i64 as u32);
-            f64::from(stream.at(index)[0]) / f64::from(u32::MAX)
-        };
-        let (x0, y0) = (x.floor(), y.floor());
-        let ease = |v: f64| v * v * (3.0 - 2.0 * v);
-        let (u, v) = (ease(x - x0), ease(y - y0));
-        let row = |y: f64| value(x0, y) + u * (value(x0 + 1.0, y) - value(x0, y));
-        row(y0) + v * (row(y0 + 1.0) - row(y0))
+        smooth([x, y], |i, j| f64::from(stream.at(entity(i, j))[0]) / f64::from(u32::MAX))
     }
 
     /// What a plot is used for, by its middle.
@@ -144,20 +138,19 @@ impl Land {
         let mut shape = Shape::default();
         for plot in 0..4 {
             let [x, y] = [west + f64::from(plot % 2) * PLOT_M, south + f64::from(plot / 2) * PLOT_M];
-            let entity = u64::from((x / PLOT_M).round() as i64 as u32) << 32
-                | u64::from((y / PLOT_M).round() as i64 as u32);
-            let mut draw = Stream::new(self.seed, 0, "land/horizon", entity);
+            let [i, j] = [x, y].map(|v| (v / PLOT_M).round() as i32);
+            let mut draw = Stream::new(self.seed, 0, "land/horizon", entity(i, j));
             let used_for = self.used_for(x + 0.5 * PLOT_M, y + 0.5 * PLOT_M, &mut draw);
-            let local = |x: f64, y: f64, up_m: f64| {
-                let z = self.height_m(x, y) + up_m;
+            let local = |x: f64, y: f64| {
+                let z = self.height_m(x, y);
                 Vec3::new((x - origin_m[0]) as f32, (y - origin_m[1]) as f32, (z - origin_m[2]) as f32)
             };
             things::add_ground(&mut shape, used_for, self.is_winter, &mut draw, |i, j| {
-                local(x + i * SQUARE_M, y + j * SQUARE_M, 0.0)
+                local(x + i * SQUARE_M, y + j * SQUARE_M)
             });
             things::add(&mut shape, used_for, self.is_winter, &mut draw, |i, j| {
                 let (x, y) = (x + i, y + j);
-                (local(x, y, 0.0), self.roads.away_m(x, y))
+                (local(x, y), self.roads.away_m(x, y))
             });
         }
         HorizonPiece { origin_m, mesh: shape.finish() }

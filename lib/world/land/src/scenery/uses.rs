@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use random::Stream;
 
+use crate::noise::{entity, smooth};
 use crate::scenery::draw::draw;
 use crate::scenery::frontage::Frontage;
 use crate::scenery::site::{Site, reach_m};
@@ -55,11 +56,6 @@ fn cell(v: f64) -> i32 {
     (v / CELL_M).floor() as i32
 }
 
-/// A number that tells cells of a grid apart.
-fn entity(i: i32, j: i32) -> u64 {
-    u64::from(i as u32) << 32 | u64::from(j as u32)
-}
-
 impl Uses {
     pub(crate) fn new(site: &Site<'_>, fronts: &[Frontage]) -> Self {
         let (mut near, mut town) = (BTreeSet::new(), BTreeSet::new());
@@ -96,14 +92,7 @@ impl Uses {
 
     /// Noise between 0 and 1 that changes smoothly over some metres.
     fn noise(&self, topic: &str, [x, y]: [f64; 2], scale_m: f64) -> f64 {
-        let (u, v) = (x / scale_m, y / scale_m);
-        let (i, j) = (u.floor(), v.floor());
-        let ease = |t: f64| t * t * (3.0 - 2.0 * t);
-        let (a, b) = (ease(u - i), ease(v - j));
-        let at = |di: i32, dj: i32| self.stream(topic, i as i32 + di, j as i32 + dj).unit();
-        let low = at(0, 0) + a * (at(1, 0) - at(0, 0));
-        let high = at(0, 1) + a * (at(1, 1) - at(0, 1));
-        low + b * (high - low)
+        smooth([x / scale_m, y / scale_m], |i, j| self.stream(topic, i, j).unit())
     }
 
     /// The use of the land at a place; none where no street is near.

@@ -161,26 +161,30 @@ fn knees_bend_forward_and_elbows_back() {
     }
 }
 
+/// Each bone begins where the one above it ends.
+fn hang_together(name: &str, figure: &Figure, bones: &Bones) {
+    let end = |bone: Bone, length: f32| bones.object_from_bone(bone).transform_point3(Vec3::NEG_Z * length);
+    for side in Side::BOTH {
+        let [thigh, shin, foot, _] = side.leg();
+        let [upper, lower] = side.arm();
+        let pairs = [
+            (end(thigh, figure.thigh), bones.joint(shin)),
+            (end(shin, figure.shin), bones.joint(foot)),
+            (end(upper, figure.upper_arm), bones.joint(lower)),
+        ];
+        for (above, below) in pairs {
+            assert!((above - below).length() < 2e-3, "{name}: {above} {below}");
+        }
+    }
+}
+
 #[test]
 fn bones_hang_together() {
     for (name, who) in some() {
         let figure = who.figure();
         for (phase_rad, speed_mps) in [(0.0, 0.0), (0.4, 1.4), (2.0, 1.4), (4.4, 0.6), (3.0, 4.0)] {
             let bones = figure.walking(phase_rad, speed_mps);
-            let end =
-                |bone: Bone, length: f32| bones.object_from_bone(bone).transform_point3(Vec3::NEG_Z * length);
-            for side in Side::BOTH {
-                let [thigh, shin, foot, _] = side.leg();
-                let [upper, lower] = side.arm();
-                let pairs = [
-                    (end(thigh, figure.thigh), bones.joint(shin)),
-                    (end(shin, figure.shin), bones.joint(foot)),
-                    (end(upper, figure.upper_arm), bones.joint(lower)),
-                ];
-                for (above, below) in pairs {
-                    assert!((above - below).length() < 2e-3, "{name}: {above} {below}");
-                }
-            }
+            hang_together(&name, figure, &bones);
         }
     }
 }
@@ -539,19 +543,9 @@ fn limbs_of_who_sits_hang_together() {
     for (name, who) in sitting() {
         let figure = who.figure();
         let bones = figure.sitting(0.7, 0.425);
-        let end =
-            |bone: Bone, length: f32| bones.object_from_bone(bone).transform_point3(Vec3::NEG_Z * length);
+        hang_together(&name, figure, &bones);
         for side in Side::BOTH {
-            let [thigh, shin, foot, _] = side.leg();
-            let [upper, lower] = side.arm();
-            let pairs = [
-                (end(thigh, figure.thigh), bones.joint(shin)),
-                (end(shin, figure.shin), bones.joint(foot)),
-                (end(upper, figure.upper_arm), bones.joint(lower)),
-            ];
-            for (above, below) in pairs {
-                assert!((above - below).length() < 2e-3, "{name}: {above} {below}");
-            }
+            let [thigh, shin, ..] = side.leg();
             // Knees are ahead, thighs all but level.
             let [hip, knee] = [thigh, shin].map(|bone| bones.joint(bone));
             assert!(knee.x - hip.x > 0.8 * figure.thigh, "{name}: {hip} {knee}");
