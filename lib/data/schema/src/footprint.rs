@@ -19,8 +19,8 @@ const LIGHT_FOOT_M: f64 = 0.17;
 const LIGHT_BEHIND_M: f64 = 0.07;
 /// Radius of a sign's pole, metres.
 const SIGN_POLE_M: f64 = 0.03;
-/// Half width of a street lamp's foot, metres.
-const LAMP_FOOT_M: f64 = 0.11;
+/// Half width of a street lamp's foot as a part of the lamp's width, and the most it is, metres.
+const LAMP_FOOT: (f64, f64) = (0.393, 0.14);
 /// Half width of the foot of any other pole, metres.
 const POLE_FOOT_M: f64 = 0.2;
 
@@ -107,8 +107,11 @@ pub fn footprint(actor: &ActorRow) -> Option<Footprint> {
         ActorKind::Sign if actor.role == ActorRole::Hazard => ([0.0; 2], 0.0, half),
         ActorKind::Sign => ([-half[0], 0.0], f64::from(actor.variant & 0xfff) / 100.0, [SIGN_POLE_M; 2]),
         ActorKind::Pole if actor.model == "pole.lamp" => {
-            ([-half[0] + LAMP_FOOT_M, 0.0], 0.0, [LAMP_FOOT_M; 2])
+            let (share, most_m) = LAMP_FOOT;
+            let foot_m = (share * actor.width_m).min(most_m);
+            ([-half[0] + foot_m, 0.0], 0.0, [foot_m; 2])
         }
+        ActorKind::Pole if actor.model == "pole.wires" => return None,
         // Others stand in the middle of their boxes; arms and flags are overhead.
         ActorKind::Pole => ([0.0; 2], 0.0, half.map(|half| half.min(POLE_FOOT_M))),
         ActorKind::Vegetation if family == "tree" => {
