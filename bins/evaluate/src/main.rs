@@ -4,6 +4,7 @@ mod error;
 mod page;
 mod table;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -11,8 +12,8 @@ use arguments::evaluate as asked;
 use arguments::evaluate::{Evaluate, Metrics};
 use clap::Parser;
 use evaluation::{
-    Evaluation, EvaluationError, ExportedSamples, MaskEvaluation, MaskFolder, Plan, PredictionFile, Protocol,
-    SeenBy, evaluate, evaluate_masks, read_results, write_measures,
+    Evaluation, EvaluationError, ExportedSamples, Extent, MaskEvaluation, MaskFolder, MaskPlan, Plan,
+    PredictionFile, Protocol, SeenBy, evaluate, evaluate_masks, read_results, write_measures,
 };
 use export_core::{Selection, Source, matches};
 use runner::{EXIT_DONE, report, say};
@@ -27,6 +28,9 @@ use error::EvaluateError;
 
 /// What must be made of a scene whose boxes are evaluated.
 const NEEDED_OF_BOXES: [&str; 2] = [AgentRow::STAGE, ValidBoxRow::STAGE];
+
+/// The egos whose predictions are evaluated where nothing is said.
+const VEHICLES: &str = "vehicle_*";
 
 /// As many frames are named on the page.
 const WORST_FRAMES: usize = 20;
@@ -68,17 +72,21 @@ fn run(args: &Evaluate) -> Result<(), EvaluateError> {
         Some(folder) => Some(pool.install(|| masks(args, &store, folder))?),
         None => None,
     };
-    let mut measures = Vec::new();
-    if let Some(result) = &found {
+    let mut rows = Vec::new();
+    if let Some(result) = found.as_ref() {
+        warn_of_gaps(result);
         say(&table::of_boxes(result));
-        measures.extend(result.measures());
+        rows.extend(result.rows.iter().cloned());
     }
     if let Some(result) = &painted {
         say(&table::of_masks(result));
-        measures.extend(result.measures());
+        rows.extend(result.rows.iter().cloned());
+    }
+    if args.bootstrap > 0 || args.by.is_some() {
+        say(&table::of_means(&rows));
     }
     if let Some(out) = out {
-        write_measures(out, &measures)?;
+        write_measures(out, &rows)?;
     }
     if let Some(path) = &args.report {
         let name = Source::open(&store, &Selection::default(), &[])?.dataset()?;
@@ -96,8 +104,36 @@ fn refused(problem: String) -> EvaluateError {
     EvaluationError::Refused(problem).into()
 }
 
-fn is_ego(args: &Evaluate, agent: AgentId) -> bool {
-    args.agents.iter().any(|pattern| matches(pattern, &agent.to_string()))
+fn is_ego(args: &Evaluate, agent: AgentId, by_default: &str) -> bool {
+    let name = agent.to_string();
+    match args.agents.as_slice() {
+        [] => matches(by_default, &name),
+        some => some.iter().any(|pattern| matches(pattern, &name)),
+    }
+}
+
+/// The part of the ego's frame in which boxes count.
+fn extent(args: &Evaluate) -> Result<Option<Extent>, EvaluateError> {
+    let Some(range_m) = &args.range_m else { return Ok(None) };
+    match range_m[..] {
+        [x0, y0, x1, y1] if range_m.iter().all(|v| v.is_finite()) && x0 < x1 && y0 < y1 => {
+            Ok(Some(Extent { from_m: [x0, y0], to_m: [x1, y1] }))
+        }
+        _ => Err(refused(format!(
+            "--range-m is {range_m:?}, expected the least x and y, then the greatest, such as -51.2,-51.2,51.2,51.2"
+        ))),
+    }
+}
+
+/// Frames that a file leaves out between others are no samples: scores may be better than the model is.
+fn warn_of_gaps(result: &Evaluation) {
+    if result.counts.between > 0 {
+        tracing::warn!(
+            "{} samples lie between those that the file names and are not evaluated: name those in which nothing was \
+             found by a row without a class (docs/evaluation.md), or give --every N",
+            result.counts.between
+        );
+    }
 }
 
 /// The scores of predicted boxes.
@@ -109,20 +145,39 @@ fn boxes(args: &Evaluate, store: &Store, predictions: &Path) -> Result<Evaluatio
         [] => Protocol::ALL.to_vec(),
         some => Protocol::ALL.into_iter().filter(|p| some.iter().any(|m| protocol(*m) == *p)).collect(),
     };
+    // An export to nuScenes is of the boxes that each agent sees by itself.
+    let of_export = args.nuscenes.is_some();
     let seen = match args.seen {
-        asked::SeenBy::Partners => {
+        Some(asked::SeenBy::Ego) => SeenBy::Ego,
+        None if of_export => SeenBy::Ego,
+        Some(asked::SeenBy::Nobody) => SeenBy::Nobody,
+        Some(asked::SeenBy::Partners) | None => {
             SeenBy::Partners { range_m: args.comm_range_m, elevation_m: args.elevation_m }
         }
-        asked::SeenBy::Ego => SeenBy::Ego,
-        asked::SeenBy::Nobody => SeenBy::Nobody,
     };
+    let egos = if of_export { "*" } else { VEHICLES };
     let plan = Plan {
         protocols: &protocols,
         seen,
         every_n_frames: args.every,
+        extent: extent(args)?,
+        attributes_by_speed: args.attributes_by_speed,
         worst_frames: args.report.is_some().then_some(WORST_FRAMES),
-        is_ego: &|agent| is_ego(args, agent),
+        bootstrap_rounds: args.bootstrap,
+        by_map: args.by == Some(asked::Part::Map),
+        is_ego: &|agent| is_ego(args, agent, egos),
     };
+    if args.every.is_none() {
+        let named: BTreeSet<u32> = file.scenes().collect();
+        let silent = scenes.iter().filter(|scene| !named.contains(&scene.scene())).count();
+        // Whoever chose scenes expects all of them to be looked at.
+        if silent > 0 && !(args.scenes.is_none() && args.split.is_empty() && args.group.is_empty()) {
+            tracing::warn!(
+                "{silent} of the {} scenes that are wanted are not in the file and not evaluated",
+                scenes.len()
+            );
+        }
+    }
     Ok(evaluate(&scenes, &file, &plan)?)
 }
 
@@ -150,7 +205,13 @@ fn open_predictions(args: &Evaluate, all: &Source, path: &Path) -> Result<Predic
 fn masks(args: &Evaluate, store: &Store, folder: &Path) -> Result<MaskEvaluation, EvaluateError> {
     let folder = MaskFolder::open(folder)?;
     let wanted = wanted(args, store, &[AgentRow::STAGE, BEV_MASKS.stage])?;
-    Ok(evaluate_masks(&readers(&wanted)?, &folder, args.every, &|agent| is_ego(args, agent))?)
+    let plan = MaskPlan {
+        every_n_frames: args.every,
+        bootstrap_rounds: args.bootstrap,
+        by_map: args.by == Some(asked::Part::Map),
+        is_ego: &|agent| is_ego(args, agent, VEHICLES),
+    };
+    Ok(evaluate_masks(&readers(&wanted)?, &folder, &plan)?)
 }
 
 fn protocol(metrics: Metrics) -> Protocol {

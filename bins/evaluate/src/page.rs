@@ -15,7 +15,8 @@ pub(crate) fn page(name: &str, boxes: Option<&Evaluation>, masks: Option<&MaskEv
     let mut about = Vec::new();
     let mut parts = Vec::new();
     if let Some(boxes) = boxes {
-        about.push(format!("{} samples, {} predicted boxes.", boxes.samples, boxes.predictions));
+        about
+            .push(format!("{} samples, {} predicted boxes.", boxes.counts.samples, boxes.counts.predictions));
         parts.extend(boxes.modes.iter().map(part_of_boxes));
     }
     if let Some(masks) = masks {
@@ -151,7 +152,8 @@ fn of_nuscenes(scores: &NuScenesScores) -> Table {
         );
     }
     let note = format!(
-        "NDS {:.1}, mAP {:.1} % over all ten classes, those without targets too.",
+        "{} {:.1}, mAP {:.1} % over all ten classes, those without targets too.",
+        scores.nds_name(),
         100.0 * scores.nds(),
         100.0 * scores.mean_ap()
     );

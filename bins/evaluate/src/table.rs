@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use evaluation::{
     Evaluation, Level, MASK_THRESHOLDS, MaskEvaluation, MaskMode, Mode, ModeScores, NuScenesScores,
-    Opv2vScores, Ring, SimBev2xScores, THRESHOLDS_IOU,
+    Opv2vScores, ResultRow, Ring, SimBev2xScores, THRESHOLDS_IOU,
 };
 
 /// Where a class has no value, or no class has.
@@ -20,9 +20,13 @@ fn error(value: f64) -> String {
 
 /// All scores of boxes: a table by class for each mode and family of metrics.
 pub(crate) fn of_boxes(result: &Evaluation) -> String {
-    let mut text = format!("{} samples, {} predictions", result.samples, result.predictions);
-    if result.left_out > 0 {
-        put(&mut text, format!(", {} left out: of other frames or agents", result.left_out));
+    let counts = &result.counts;
+    let mut text = format!("{} samples, {} predictions", counts.samples, counts.predictions);
+    if counts.without_boxes > 0 {
+        put(&mut text, format!(", {} samples are named without a box", counts.without_boxes));
+    }
+    if counts.left_out > 0 {
+        put(&mut text, format!(", {} rows left out: of other frames or agents", counts.left_out));
     }
     for scores in &result.modes {
         if let Some(simbev2x) = &scores.simbev2x {
@@ -119,6 +123,37 @@ fn of_opv2v(scores: &Opv2vScores, of: &ModeScores) -> String {
     text
 }
 
+/// The means over classes, by map where they are, with their intervals where these were asked for.
+pub(crate) fn of_means(rows: &[ResultRow]) -> String {
+    let is_mean = |row: &&ResultRow| {
+        let measure = &row.measure;
+        let (class, name) = (measure.class, measure.name);
+        (class == "all" && matches!(name, "mAP" | "SDS" | "mIoU")
+            || name.starts_with("NDS")
+            || name.starts_with("AP "))
+            && measure.threshold.is_none_or(|at| at == 0.5)
+    };
+    let mut text = String::from("\nMeans, %");
+    let names = ["mode", "value", "from", "to", "gain", "from", "to"];
+    let _ = write!(text, "\n{:<46}", "map, metrics, measure, level");
+    for name in names {
+        let _ = write!(text, "{name:>8}");
+    }
+    for row in rows.iter().filter(is_mean) {
+        let measure = &row.measure;
+        let map = row.map.as_deref().unwrap_or("all");
+        let name = format!("{map}, {}, {}, {}", measure.metrics, measure.name, measure.level);
+        let _ = write!(text, "\n{name:<46}{:>8}{:>8}", measure.mode.name(), percent(measure.value));
+        if let Some(spread) = row.spread {
+            let gain = spread.gain.unwrap_or([f64::NAN; 3]);
+            for value in spread.interval.into_iter().chain(gain) {
+                let _ = write!(text, "{:>8}", percent(value));
+            }
+        }
+    }
+    text
+}
+
 /// All scores of masks: a table by class for each mode.
 pub(crate) fn of_masks(result: &MaskEvaluation) -> String {
     let mut text = String::new();
@@ -164,6 +199,6 @@ fn of_nuscenes(scores: &NuScenesScores, of: &ModeScores) -> String {
     cells.extend(std::iter::repeat_n(String::new(), 4));
     cells.extend(scores.mean_errors().map(error));
     line(&mut text, "mean", &cells);
-    line(&mut text, "NDS", &[String::new(), percent(scores.nds())]);
+    line(&mut text, scores.nds_name(), &[String::new(), percent(scores.nds())]);
     text
 }

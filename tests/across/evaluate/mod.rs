@@ -87,6 +87,72 @@ fn value(file: &Path, metrics: &str, measure: &str) -> f64 {
     row.and_then(|row| row["value"].as_f64()).expect("has a value")
 }
 
+/// Those of the rows that are wanted.
+fn some(columns: &[(&'static str, ArrayRef)], wanted: &[bool]) -> Vec<(&'static str, ArrayRef)> {
+    let wanted = arrow_array::BooleanArray::from(wanted.to_vec());
+    let of = |array: &ArrayRef| arrow_select::filter::filter(array, &wanted).expect("is filtered");
+    columns.iter().map(|(name, array)| (*name, of(array))).collect()
+}
+
+/// A file says which samples it is of; ranges cut targets and predictions alike.
+fn named_samples(bench: &Bench, good: &[(&'static str, ArrayRef)]) {
+    let folder = bench.folder.path();
+    let numbers = |name: &str| {
+        let column = &good.iter().find(|(found, _)| *found == name).expect("is there").1;
+        column.as_primitive::<arrow_array::types::UInt32Type>().values().to_vec()
+    };
+    let frames = numbers("frame");
+    let at = |kept: &[u32]| some(good, &frames.iter().map(|frame| kept.contains(frame)).collect::<Vec<_>>());
+    let scores = |file: &Path, args: &[&str]| -> (Outcome, PathBuf) {
+        let out = folder.join("named.json");
+        let outcome = evaluate(bench, file, &[args, &["--out", &out.display().to_string()]].concat());
+        outcome.expect_done();
+        (outcome, out)
+    };
+    // Frames 0, 5 and 10 of the one vehicle; the RSU is no ego.
+    let three = write(folder, "three.parquet", at(&[0, 5, 10]));
+    let (outcome, out) = scores(&three, &["--seen", "nobody"]);
+    assert!(outcome.stdout.starts_with("3 samples, "), "{}", outcome.stdout);
+    assert!(!outcome.stderr.contains("WARN"), "{}", outcome.stderr);
+    assert!((value(&out, "simbev2x", "mAP") - 1.0).abs() < 1e-9);
+    assert!(value(&out, "nuscenes", "NDS without AAE") > 0.0);
+    // The same frames with one in which nothing is said, and one that is left out.
+    let (_, out) = scores(&three, &["--seen", "nobody", "--every", "5"]);
+    let with_a_gap = value(&out, "simbev2x", "mAP");
+    assert!(with_a_gap < 0.9, "{with_a_gap}");
+    let gap = write(folder, "gap.parquet", at(&[0, 5, 15]));
+    let (outcome, _) = scores(&gap, &["--seen", "nobody"]);
+    assert!(outcome.stdout.starts_with("3 samples, "), "{}", outcome.stdout);
+    assert!(outcome.stderr.contains("1 samples lie between those that the file names"), "{}", outcome.stderr);
+    // Attributes by speed give AAE.
+    let (_, out) = scores(&three, &["--seen", "nobody", "--attributes-by-speed"]);
+    assert!(value(&out, "nuscenes", "mAAE") < 1.0 && value(&out, "nuscenes", "NDS") > 0.0);
+    // Within 20 m ahead there are fewer targets, all of which are found.
+    let targets = |out: &Path| -> f64 {
+        let rows: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(out).expect("is written")).expect("is JSON");
+        let is_it = |row: &&serde_json::Value| {
+            row["metrics"] == "simbev2x" && row["measure"] == "targets" && row["level"] == "all"
+        };
+        rows.as_array().expect("is a list").iter().filter(is_it).filter_map(|row| row["value"].as_f64()).sum()
+    };
+    let (_, out) = scores(&three, &["--seen", "nobody", "--by", "map"]);
+    let all = targets(&out) / 2.0;
+    let (_, out) = scores(&three, &["--seen", "nobody", "--range-m=0,-20,20,20"]);
+    assert!(targets(&out) > 0.0 && targets(&out) < all, "{} of {all}", targets(&out));
+    assert!((value(&out, "simbev2x", "mAP") - 1.0).abs() < 1e-9);
+    for (args, want) in [
+        (
+            &["--range-m", "20,-20,0,20"][..],
+            "--range-m is [20.0, -20.0, 0.0, 20.0], expected the least x and y",
+        ),
+        (&["--bootstrap", "100"], "--bootstrap draws scenes, and there is but one"),
+    ] {
+        let refused = evaluate(bench, &three, args);
+        assert!(refused.code == 2 && refused.stderr.contains(want), "{}", refused.stderr);
+    }
+}
+
 #[test]
 fn own_boxes_are_perfect_and_faults_are_named() {
     let bench = Bench::new(TINY);
@@ -138,6 +204,7 @@ fn own_boxes_are_perfect_and_faults_are_named() {
     let refused = evaluate(&bench, &file, &["--agents", "vehicle_7"]);
     assert!(refused.code == 2 && refused.stderr.contains("none of its rows"), "{}", refused.stderr);
 
+    named_samples(&bench, &good);
     masks::check(&bench);
     results::check(&bench, &good, &file);
 }

@@ -136,7 +136,12 @@ pub(super) fn check(bench: &Bench, columns: &[(&'static str, ArrayRef)], parquet
         read(&out).as_array().expect("is a list").clone()
     };
     let from = export.display().to_string();
-    let (one, other) = (scores(&file, "a.json", &["--nuscenes", &from]), scores(parquet, "b.json", &[]));
+    let as_parquet = ["--nuscenes", &from, "--seen", "partners", "--agents", "vehicle_*"];
+    // Results always say attributes, if only that they are unknown.
+    let is_common =
+        |row: &Value| !["AAE", "mAAE", "NDS", "NDS without AAE"].iter().any(|name| row["measure"] == *name);
+    let [one, other] = [scores(&file, "a.json", &as_parquet), scores(parquet, "b.json", &[])]
+        .map(|rows| rows.into_iter().filter(is_common).collect::<Vec<_>>());
     assert_eq!(one.len(), other.len());
     for (one, other) in one.iter().zip(&other) {
         for key in ["metrics", "class", "level", "measure", "threshold"] {
@@ -147,6 +152,27 @@ pub(super) fn check(bench: &Bench, columns: &[(&'static str, ArrayRef)], parquet
             (a, b) => assert_eq!(a, b, "{one}"),
         }
     }
+    // Nothing given: the samples that the results name, by what each agent sees itself, and no others.
+    let defaults = |file: &Path, name: &str, more: &[&str]| -> Vec<Value> {
+        let out = folder.join(name);
+        let args = ["--metrics", "nuscenes", "--out", &out.display().to_string()];
+        super::evaluate(bench, file, &[&args[..], more].concat()).expect_done();
+        read(&out).as_array().expect("is a list").clone()
+    };
+    let plain = defaults(&file, "f.json", &["--nuscenes", &from]);
+    let said =
+        defaults(&file, "g.json", &["--nuscenes", &from, "--every", "10", "--seen", "ego", "--agents", "*"]);
+    assert_eq!(plain, said);
+    // Without the boxes of a sample it still counts.
+    let mut fewer = good.clone();
+    let first =
+        fewer["results"].as_object_mut().and_then(|all| all.values_mut().next()).expect("has samples");
+    *first = json!([]);
+    let fewer = write("fewer_nusc.json", &fewer.to_string());
+    let targets = |rows: &[Value]| -> f64 {
+        rows.iter().filter(|row| row["measure"] == "targets").filter_map(|row| row["value"].as_f64()).sum()
+    };
+    assert_eq!(targets(&defaults(&fewer, "h.json", &["--nuscenes", &from])), targets(&plain));
     // Only what an agent has points of is annotated.
     let of_ego = ["--nuscenes", &from, "--seen", "ego"];
     let told = write("told_nusc.json", &with_attributes(&good, &version).to_string());

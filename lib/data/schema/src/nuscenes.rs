@@ -15,7 +15,13 @@ pub const NUSCENES_ATTRIBUTES: [(&str, &str); 8] = [
 ];
 
 /// Slower than this is standing, m/s.
-const STANDING_MPS: f64 = 0.2;
+pub const STANDING_MPS: f64 = 0.2;
+
+/// Whether an object is a trailer to nuScenes: the trailer of an articulated lorry, a truck in a store.
+#[must_use]
+pub fn is_trailer(class: DetectionClass, facts: &Attributes) -> bool {
+    class == DetectionClass::Truck && facts.get(&Attribute::SpecialType) == Some("trailer")
+}
 
 /// nuScenes' attribute of an object of a kind with tags that moves at a speed; cones, barriers, lights and
 /// signs have none.

@@ -39,24 +39,39 @@ pub struct Evaluate {
     /// Only scenes of these groups, by name.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub group: Vec<String>,
-    /// Egos, such as vehicle_0,rsu_*.
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "vehicle_*")]
+    /// Egos, such as vehicle_0,rsu_* (default: vehicle_*; of nuScenes' results all that they name).
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub agents: Vec<String>,
-    /// Frames 0, n, 2 n, ... are evaluated (default: all that have boxes, or masks).
+    /// Frames 0, n, 2 n, ... of every ego are evaluated (default: those that the predictions name; of masks
+    /// all that the store has).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub every: Option<u32>,
     /// The metrics of boxes (default: all).
     #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
     pub metrics: Vec<Metrics>,
-    /// By whom a box must be seen to count.
-    #[arg(long, value_enum, default_value = "partners")]
-    pub seen: SeenBy,
+    /// By whom a box must be seen to count (default: partners; of nuScenes' results ego).
+    #[arg(long, value_enum)]
+    pub seen: Option<SeenBy>,
     /// How far away a partner may be, m.
     #[arg(long, value_name = "M", default_value_t = 80.0)]
     pub comm_range_m: f64,
     /// How much higher or lower a partner may be, m.
     #[arg(long, value_name = "M", default_value_t = 4.8)]
     pub elevation_m: f64,
+    /// Only boxes with their middle in this part of the ego's frame count, m: the least x (ahead) and y (to the
+    /// left), then the greatest, such as -51.2,-51.2,51.2,51.2.
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_delimiter = ',', num_args = 4, allow_hyphen_values = true)]
+    pub range_m: Option<Vec<f64>>,
+    /// Let nuScenes' attributes follow from the predicted speed where none is said.
+    #[arg(long)]
+    pub attributes_by_speed: bool,
+    /// Say how sure scores are: intervals of 95 % over so many draws of the scenes, such as 1000; of modes of
+    /// cooperation also what they gain, by the same draws.
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub bootstrap: u32,
+    /// Besides the scores of all scenes those of a part of them.
+    #[arg(long, value_enum)]
+    pub by: Option<Part>,
     /// A file for all numbers, one a row: .parquet or .json.
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
@@ -67,6 +82,13 @@ pub struct Evaluate {
     /// Worker threads (default: all cores). The numbers do not depend on it.
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+}
+
+/// What scenes are put together by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Part {
+    /// By their map
+    Map,
 }
 
 /// Families of metrics.

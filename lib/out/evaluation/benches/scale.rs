@@ -54,14 +54,18 @@ fn main() -> Result<(), Box<dyn Error>> {
             protocols,
             seen: SeenBy::Partners { range_m: 80.0, elevation_m: 4.8 },
             every_n_frames: None,
+            extent: None,
+            attributes_by_speed: false,
             worst_frames: None,
+            bootstrap_rounds: 0,
+            by_map: false,
             is_ego: &|agent| agent.kind == AgentKind::Vehicle,
         };
         let result = pool.install(|| evaluate(&readers, &opened, &plan))?;
         println!(
             "{name}: {} samples, {} predictions in {:.1} s",
-            result.samples,
-            result.predictions,
+            result.counts.samples,
+            result.counts.predictions,
             start.elapsed().as_secs_f64()
         );
     }

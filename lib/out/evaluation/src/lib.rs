@@ -1,8 +1,11 @@
 #![doc = include_str!("../README.md")]
 
+mod attribute;
 mod boxes;
+mod class;
 mod details;
 mod error;
+mod extent;
 mod interpolation;
 mod level;
 mod masks;
@@ -15,31 +18,40 @@ mod overlap;
 mod positioned;
 mod predictions;
 mod protocol;
+mod resample;
+mod result;
 mod results;
 mod ring;
 mod run;
+mod samples;
 mod simbev2x;
+mod tally;
 mod targets;
 mod values;
 mod write;
 
 pub use boxes::{Prediction, SampleId, Sighting, Solid, Target};
+pub use class::BoxClass;
 pub use details::{ClassDetails, Details, Found};
 pub use error::EvaluationError;
+pub use extent::Extent;
 pub use level::{LEVELS, Level};
 pub use masks::{
-    Grid, GridError, MASK_THRESHOLDS, MaskClass, MaskEvaluation, MaskFolder, MaskMode, MaskScores, MaskTally,
-    Misfit, SCORE_TYPES, evaluate_masks, passed,
+    Grid, GridError, MASK_THRESHOLDS, MaskClass, MaskEvaluation, MaskFolder, MaskMode, MaskPlan, MaskScores,
+    MaskTally, Misfit, SCORE_TYPES, evaluate_masks, passed,
 };
 pub use measures::Measure;
 pub use mode::{Mode, SeenBy};
-pub use nuscenes::{NuScenesClass, NuScenesScores, NuScenesTally, nuscenes_class};
-pub use opv2v::{Opv2vScores, Opv2vTally, THRESHOLDS_IOU, is_opv2v_vehicle};
+pub use nuscenes::{NuScenesClass, NuScenesScores, NuScenesTally};
+pub use opv2v::{Opv2vScores, Opv2vTally, THRESHOLDS_IOU};
 pub use overlap::bev_iou;
-pub use predictions::{COLUMNS, ColumnDoc, PredictionFile, PredictionRow};
+pub use predictions::{COLUMNS, ColumnDoc, FoundBox, PredictionFile, PredictionRow};
 pub use protocol::{Protocol, THRESHOLDS_M};
+pub use resample::Spread;
+pub use result::{Evaluation, ResultRow};
 pub use results::{ExportedSamples, read_results};
 pub use ring::Ring;
-pub use run::{Evaluation, ModeScores, Plan, evaluate};
+pub use run::{Plan, evaluate};
 pub use simbev2x::{SimBev2xClass, SimBev2xScores, SimBev2xTally};
+pub use tally::{Counts, ModeScores};
 pub use write::write_measures;

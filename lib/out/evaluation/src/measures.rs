@@ -1,14 +1,14 @@
 //! Scores one by one.
 
 use crate::level::Level;
-use crate::masks::{MASK_THRESHOLDS, MaskEvaluation, MaskScores};
+use crate::masks::{MASK_THRESHOLDS, MaskMode, MaskScores};
 use crate::mode::Mode;
 use crate::nuscenes::{self, NuScenesScores};
 use crate::opv2v::{self, Opv2vScores, THRESHOLDS_IOU};
 use crate::protocol::{Protocol, THRESHOLDS_M};
 use crate::ring::Ring;
-use crate::run::{Evaluation, ModeScores};
 use crate::simbev2x::{self, SimBev2xScores};
+use crate::tally::ModeScores;
 
 /// Name of the metrics of BEV masks in results.
 const MASK_METRICS: &str = "bev";
@@ -25,7 +25,7 @@ pub struct Measure {
     /// Which of the targets or cells: all, or those of a difficulty, a distance, ...; of what is confused,
     /// the class for which it is taken.
     pub level: &'static str,
-    /// `AP`, `mAP`, `ATE`, `mATE`, ..., `SDS`, `NDS`, `targets`, `IoU`, `mIoU`, `cells`, `confused`.
+    /// `AP`, `mAP`, `ATE`, `mATE`, ..., `SDS`, `NDS`, `NDS without AAE`, `targets`, `IoU`, `mIoU`, `cells`, `confused`.
     pub name: &'static str,
     /// The distance up to which (m), the overlap or the score from which on something is found; none of what
     /// is a mean over several of them, or a count.
@@ -45,25 +45,22 @@ fn mean_name(error: &str) -> &'static str {
     }
 }
 
-impl Evaluation {
-    /// All numbers, in an order that stays: by mode and metrics, means first.
-    #[must_use]
-    pub fn measures(&self) -> Vec<Measure> {
-        let of_mode = |scores: &ModeScores| {
-            let mut all = Vec::new();
-            if let Some(simbev2x) = &scores.simbev2x {
-                all.extend(of_simbev2x(simbev2x, scores.mode));
-            }
-            if let Some(nuscenes) = &scores.nuscenes {
-                all.extend(of_nuscenes(nuscenes, scores.mode));
-            }
-            if let Some(opv2v) = &scores.opv2v {
-                all.extend(of_opv2v(opv2v, scores.mode));
-            }
-            all
-        };
-        self.modes.iter().flat_map(of_mode).collect()
-    }
+/// All numbers of some modes, in an order that stays: by mode and metrics, means first.
+pub(crate) fn of_modes(modes: &[ModeScores]) -> Vec<Measure> {
+    let of_mode = |scores: &ModeScores| {
+        let mut all = Vec::new();
+        if let Some(simbev2x) = &scores.simbev2x {
+            all.extend(of_simbev2x(simbev2x, scores.mode));
+        }
+        if let Some(nuscenes) = &scores.nuscenes {
+            all.extend(of_nuscenes(nuscenes, scores.mode));
+        }
+        if let Some(opv2v) = &scores.opv2v {
+            all.extend(of_opv2v(opv2v, scores.mode));
+        }
+        all
+    };
+    modes.iter().flat_map(of_mode).collect()
 }
 
 fn of_simbev2x(scores: &SimBev2xScores, mode: Mode) -> Vec<Measure> {
@@ -119,12 +116,9 @@ fn of_opv2v(scores: &Opv2vScores, mode: Mode) -> Vec<Measure> {
     all
 }
 
-impl MaskEvaluation {
-    /// All numbers, in an order that stays: by mode, means first.
-    #[must_use]
-    pub fn measures(&self) -> Vec<Measure> {
-        self.modes.iter().flat_map(|mode| of_masks(&mode.scores, mode.mode)).collect()
-    }
+/// All numbers of the masks of some modes, in an order that stays: by mode, means first.
+pub(crate) fn of_mask_modes(modes: &[MaskMode]) -> Vec<Measure> {
+    modes.iter().flat_map(|mode| of_masks(&mode.scores, mode.mode)).collect()
 }
 
 fn of_masks(scores: &MaskScores, mode: Mode) -> Vec<Measure> {
@@ -169,7 +163,7 @@ fn of_nuscenes(scores: &NuScenesScores, mode: Mode) -> Vec<Measure> {
         mode,
         class: "all",
         level: "all",
-        name: "NDS",
+        name: scores.nds_name(),
         threshold: None,
         value: scores.nds(),
     };

@@ -4,7 +4,6 @@
 //! numbers against its own code.
 
 use rayon::prelude::*;
-use schema::DetectionClass;
 
 use crate::boxes::{Prediction, Target};
 use crate::interpolation::{interpolate, running_means};
@@ -28,6 +27,8 @@ const CONE: usize = 8;
 const BARRIER: usize = 9;
 /// Names of the errors.
 pub(crate) const ERRORS: [&str; 5] = ["ATE", "ASE", "AOE", "AVE", "AAE"];
+/// Which of them is that of attributes.
+const AAE: usize = 4;
 /// The one of [`THRESHOLDS_M`] at which errors are taken: 2 m.
 const ERRORS_AT: usize = 2;
 /// Recalls 0, 0.01, ..., 1.
@@ -38,9 +39,8 @@ const FIRST: usize = 11;
 const MIN_PRECISION: f64 = 0.1;
 
 /// The number of a class among nuScenes', and the distance from the ego up to which it counts, m.
-#[must_use]
-pub fn nuscenes_class(class: DetectionClass) -> Option<(usize, f64)> {
-    CLASSES.iter().enumerate().find(|(_, c)| c.0 == class.name()).map(|(i, c)| (i, c.1))
+pub(crate) fn class_named(name: &str) -> Option<(usize, f64)> {
+    CLASSES.iter().enumerate().find(|(_, c)| c.0 == name).map(|(i, c)| (i, c.1))
 }
 
 /// A prediction with what it found.
@@ -93,11 +93,12 @@ impl NuScenesTally {
         }
     }
 
-    /// The scores of all samples.
+    /// The scores of all samples; without AAE where predictions say no attributes.
     #[must_use]
-    pub fn scores(&self) -> NuScenesScores {
-        let classes = self.classes.par_iter().enumerate().map(|(class, tally)| tally.scores(class));
-        NuScenesScores { classes: classes.collect() }
+    pub fn scores(&self, has_attributes: bool) -> NuScenesScores {
+        let classes = self.classes.par_iter().enumerate();
+        let classes = classes.map(|(class, tally)| tally.scores(class, has_attributes));
+        NuScenesScores { classes: classes.collect(), has_attributes }
     }
 }
 
@@ -124,7 +125,7 @@ impl ClassTally {
         }
     }
 
-    fn scores(&self, class: usize) -> NuScenesClass {
+    fn scores(&self, class: usize, has_attributes: bool) -> NuScenesClass {
         let mut order: Vec<u32> = (0..self.hits.len() as u32).collect();
         let hit = |i: u32| self.hits[i as usize];
         order.par_sort_unstable_by(|a, b| by_score(hit(*a).score, hit(*b).score).then(b.cmp(a)));
@@ -138,6 +139,9 @@ impl ClassTally {
             _ => &[],
         };
         unknown.iter().for_each(|error| errors[*error] = f64::NAN);
+        if !has_attributes {
+            errors[AAE] = f64::NAN;
+        }
         NuScenesClass { name: CLASSES[class].0, targets: self.targets, ap, errors }
     }
 
@@ -232,6 +236,8 @@ pub struct NuScenesClass {
 pub struct NuScenesScores {
     /// Class by class, in the devkit's order.
     pub classes: Vec<NuScenesClass>,
+    /// Whether predictions say attributes: without them there is no AAE, and NDS is without it.
+    pub has_attributes: bool,
 }
 
 impl NuScenesScores {
@@ -248,10 +254,17 @@ impl NuScenesScores {
         [0, 1, 2, 3, 4].map(|error| mean_of_numbers(self.classes.iter().map(|class| class.errors[error])))
     }
 
-    /// nuScenes' detection score.
+    /// nuScenes' detection score: mAP counts five times, each error once.
     #[must_use]
     pub fn nds(&self) -> f64 {
-        let right: f64 = self.mean_errors().iter().map(|error| (1.0 - error).max(0.0)).sum();
-        (5.0 * self.mean_ap() + right) / 10.0
+        let errors = if self.has_attributes { ERRORS.len() } else { AAE };
+        let right: f64 = self.mean_errors()[..errors].iter().map(|error| (1.0 - error).max(0.0)).sum();
+        (5.0 * self.mean_ap() + right) / (5 + errors) as f64
+    }
+
+    /// Its name: NDS without AAE is another number.
+    #[must_use]
+    pub fn nds_name(&self) -> &'static str {
+        if self.has_attributes { "NDS" } else { "NDS without AAE" }
     }
 }

@@ -14,8 +14,7 @@ pub(crate) const CLASS: &str = "vehicle";
 
 /// Whether objects of a class are vehicles to OPV2V: cars, trucks (vans among them) and buses, as its export
 /// has them.
-#[must_use]
-pub fn is_opv2v_vehicle(class: DetectionClass) -> bool {
+pub(crate) fn is_opv2v_vehicle(class: DetectionClass) -> bool {
     matches!(class, DetectionClass::Car | DetectionClass::Truck | DetectionClass::Bus)
 }
 

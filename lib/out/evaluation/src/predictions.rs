@@ -12,10 +12,12 @@ use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder, RowSelection,
 };
 use parquet::basic::Compression;
-use schema::{AgentId, DetectionClass, NUSCENES_ATTRIBUTES};
+use schema::AgentId;
 
 use crate::EvaluationError;
+use crate::attribute::number_of_attribute;
 use crate::boxes::{Solid, yaw_of};
+use crate::class::BoxClass;
 use crate::mode::Mode;
 use crate::positioned::Positioned;
 use crate::values::{Kind, floats, integers, lists};
@@ -60,7 +62,11 @@ pub const COLUMNS: [ColumnDoc; 11] = [
         "With whom the model worked together: `none`, `x2v`, `x2i` or `x2x`; each is scored by itself. Without this column all rows are of one model.",
         optional
     ),
-    column!("class", Kind::Text, "Detection class, as in `boxes`."),
+    column!(
+        "class",
+        Kind::Text,
+        "Detection class, as in `boxes`, or `trailer`; null in a row that only names a sample in which nothing was found: its score and box are null, too."
+    ),
     column!("score", Kind::Float, "How sure it is: any finite number, the higher the surer."),
     column!("center_m", Kind::Floats(3), "Centre of the box in the world, m."),
     column!("size_m", Kind::Floats(3), "Length, width, height, m."),
@@ -83,10 +89,10 @@ pub const COLUMNS: [ColumnDoc; 11] = [
     ),
 ];
 
-/// A prediction as the file has it.
+/// A row of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PredictionRow {
-    /// Number of the row in the file.
+    /// Its number.
     pub row: usize,
     /// Frame number.
     pub frame: u32,
@@ -94,13 +100,20 @@ pub struct PredictionRow {
     pub agent: AgentId,
     /// With whom the model worked together.
     pub mode: Mode,
+    /// What was found; none where the row only names a sample.
+    pub found: Option<FoundBox>,
+}
+
+/// A box that was found, as the file has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoundBox {
     /// Its class.
-    pub class: DetectionClass,
+    pub class: BoxClass,
     /// How sure it is.
     pub score: f64,
     /// The box.
     pub solid: Solid,
-    /// Its attribute, where it is said: a number of [`NUSCENES_ATTRIBUTES`].
+    /// Its attribute, where it is said: a number of [`schema::NUSCENES_ATTRIBUTES`].
     pub attribute: Option<u8>,
 }
 
@@ -187,6 +200,12 @@ impl PredictionFile {
     /// The modes that it has rows of.
     pub fn modes(&self) -> impl Iterator<Item = Mode> {
         self.modes.iter().copied()
+    }
+
+    /// Whether it says attributes.
+    #[must_use]
+    pub fn has_attributes(&self) -> bool {
+        self.about.schema().field_with_name("attribute").is_ok()
     }
 
     /// Where it is.
@@ -330,12 +349,24 @@ impl PredictionFile {
             None => None,
         };
         let agents = self.texts(batch, "agent", numbers, "agent", |text| text?.parse().ok())?;
-        let classes =
-            self.texts(batch, "class", numbers, "detection class", |text| DetectionClass::from_name(text?))?;
+        let classes = self.texts(batch, "class", numbers, "detection class", |text| match text {
+            None => Some(None),
+            Some(text) => BoxClass::from_name(text).map(Some),
+        })?;
         let modes = self.modes_of(batch, numbers)?;
         let attributes = self.attributes_of(batch, numbers)?;
         for (i, &row) in numbers.iter().enumerate() {
             let fault = |problem: &str| Err(self.fault(row, problem));
+            let (frame, agent, mode) = (frames[i], agents[i], modes[i]);
+            let Some(class) = classes[i] else {
+                if !scores[i].is_nan() {
+                    return fault(
+                        "`class` is null, expected a detection class (or a null `score`, too, where nothing was found)",
+                    );
+                }
+                rows.push(PredictionRow { row, frame, agent, mode, found: None });
+                continue;
+            };
             if !scores[i].is_finite() {
                 return fault(&format!("`score` is {}, expected a finite number", scores[i]));
             }
@@ -353,9 +384,8 @@ impl PredictionFile {
                 return fault("`velocity_mps` is infinite, expected numbers, or null where it is not known");
             }
             let solid = Solid { center_m: centers[i], size_m: sizes[i], yaw_rad, velocity_mps: [vx, vy] };
-            let (frame, agent, mode) = (frames[i], agents[i], modes[i]);
-            let (class, score, attribute) = (classes[i], scores[i], attributes[i]);
-            rows.push(PredictionRow { row, frame, agent, mode, class, score, solid, attribute });
+            let found = FoundBox { class, score: scores[i], solid, attribute: attributes[i] };
+            rows.push(PredictionRow { row, frame, agent, mode, found: Some(found) });
         }
         Ok(())
     }
@@ -412,9 +442,4 @@ impl PredictionFile {
         }
         Ok(values)
     }
-}
-
-/// Its number among [`NUSCENES_ATTRIBUTES`].
-pub(crate) fn number_of_attribute(name: &str) -> Option<u8> {
-    NUSCENES_ATTRIBUTES.iter().position(|(known, _)| *known == name).map(|i| i as u8)
 }

@@ -11,18 +11,17 @@ use std::sync::Arc;
 use arrow_array::{ArrayRef, FixedSizeListArray, Float64Array, RecordBatch, StringArray, UInt32Array};
 use arrow_schema::{DataType, Field};
 use parquet::arrow::ArrowWriter;
-use schema::{AgentId, DetectionClass};
+use schema::AgentId;
 use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 
 use crate::EvaluationError;
-use crate::predictions::{PredictionFile, number_of_attribute};
+use crate::attribute::number_of_attribute;
+use crate::class::BoxClass;
+use crate::predictions::PredictionFile;
 
 /// So many rows are in memory at a time.
 const BATCH_ROWS: usize = 1 << 14;
-/// Classes of nuScenes that no store has (semi-trailers are trucks there): what is predicted of them finds
-/// nothing.
-const ELSEWHERE: [&str; 2] = ["trailer", "construction_vehicle"];
 
 /// A sample: its scene, frame and ego.
 type Sample = (u32, u32, AgentId);
@@ -240,7 +239,7 @@ impl<'de> Visitor<'de> for Boxes<'_> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<(), A::Error> {
         let mut number = 0_usize;
-        while let Some(found) = list.next_element::<FoundBox>()? {
+        while let Some(found) = list.next_element::<ResultBox>()? {
             let fault = |problem: String| {
                 A::Error::custom(format!("sample `{}`, box {number}: {problem}", self.token))
             };
@@ -250,20 +249,16 @@ impl<'de> Visitor<'de> for Boxes<'_> {
             if let Some(problem) = found.fault() {
                 return Err(fault(problem));
             }
-            match DetectionClass::from_name(&found.detection_name) {
-                Some(class) => self
-                    .rows
-                    .push(self.sample, class, &found, self.shift)
-                    .map_err(|e| fault(e.to_string()))?,
-                None if ELSEWHERE.contains(&found.detection_name.as_str()) => {}
-                None => {
-                    return Err(fault(format!(
-                        "`detection_name` is `{}`, which is no class",
-                        found.detection_name
-                    )));
-                }
-            }
+            let class = BoxClass::from_name(&found.detection_name).ok_or_else(|| {
+                fault(format!("`detection_name` is `{}`, which is no class", found.detection_name))
+            })?;
+            let pushed = self.rows.push(self.sample, Some((class, &found)), self.shift);
+            pushed.map_err(|e| fault(e.to_string()))?;
             number += 1;
+        }
+        if number == 0 {
+            let named = self.rows.push(self.sample, None, self.shift);
+            named.map_err(|e| A::Error::custom(format!("sample `{}`: {e}", self.token)))?;
         }
         Ok(())
     }
@@ -271,7 +266,7 @@ impl<'de> Visitor<'de> for Boxes<'_> {
 
 /// A box as the devkit's `DetectionBox` has it.
 #[derive(Deserialize)]
-struct FoundBox {
+struct ResultBox {
     sample_token: Option<String>,
     translation: [f64; 3],
     /// Width, length, height.
@@ -285,7 +280,7 @@ struct FoundBox {
     attribute_name: String,
 }
 
-impl FoundBox {
+impl ResultBox {
     /// What of it cannot be.
     fn fault(&self) -> Option<String> {
         if !self.size.iter().all(|side| *side > 0.0) {
@@ -311,8 +306,8 @@ struct Columns {
     scenes: Vec<u32>,
     frames: Vec<u32>,
     agents: Vec<String>,
-    classes: Vec<&'static str>,
-    scores: Vec<f64>,
+    classes: Vec<Option<&'static str>>,
+    scores: Vec<Option<f64>>,
     centers: Vec<f64>,
     sizes: Vec<f64>,
     turns: Vec<f64>,
@@ -327,26 +322,34 @@ impl Rows {
         Ok(Self { writer, columns })
     }
 
+    /// Adds a box of a sample; none names a sample in which nothing was found.
     fn push(
         &mut self,
         (scene, frame, agent): Sample,
-        class: DetectionClass,
-        found: &FoundBox,
+        found: Option<(BoxClass, &ResultBox)>,
         global_from_world_m: &[f64; 3],
     ) -> Result<(), parquet::errors::ParquetError> {
         let to = &mut self.columns;
         to.scenes.push(scene);
         to.frames.push(frame);
         to.agents.push(agent.to_string());
-        to.classes.push(class.name());
-        to.scores.push(found.detection_score);
-        to.centers.extend([0, 1, 2].map(|axis| found.translation[axis] - global_from_world_m[axis]));
-        let [width, length, height] = found.size;
-        to.sizes.extend([length, width, height]);
-        to.turns.extend(found.rotation);
-        let [vx, vy] = found.velocity.map(|v| v.unwrap_or(f64::NAN));
-        to.velocities.extend([vx, vy, 0.0]);
-        to.attributes.push(found.attribute_name.clone());
+        to.classes.push(found.map(|(class, _)| class.name()));
+        to.scores.push(found.map(|(_, found)| found.detection_score));
+        if let Some((_, found)) = found {
+            to.centers.extend([0, 1, 2].map(|axis| found.translation[axis] - global_from_world_m[axis]));
+            let [width, length, height] = found.size;
+            to.sizes.extend([length, width, height]);
+            to.turns.extend(found.rotation);
+            let [vx, vy] = found.velocity.map(|v| v.unwrap_or(f64::NAN));
+            to.velocities.extend([vx, vy, 0.0]);
+            to.attributes.push(found.attribute_name.clone());
+        } else {
+            to.centers.extend([f64::NAN; 3]);
+            to.sizes.extend([f64::NAN; 3]);
+            to.turns.extend([f64::NAN; 4]);
+            to.velocities.extend([f64::NAN; 3]);
+            to.attributes.push(String::new());
+        }
         if to.scenes.len() == BATCH_ROWS { self.flush() } else { Ok(()) }
     }
 
@@ -369,7 +372,7 @@ impl Columns {
             let values = Arc::new(Float64Array::from(std::mem::take(values)));
             Ok(Arc::new(FixedSizeListArray::try_new(item, length, values, None)?))
         };
-        Ok(RecordBatch::try_from_iter([
+        let columns = [
             ("scene", Arc::new(UInt32Array::from(std::mem::take(&mut self.scenes))) as ArrayRef),
             ("frame", Arc::new(UInt32Array::from(std::mem::take(&mut self.frames)))),
             ("agent", Arc::new(StringArray::from(std::mem::take(&mut self.agents)))),
@@ -380,6 +383,9 @@ impl Columns {
             ("quaternion", lists(&mut self.turns, 4)?),
             ("velocity_mps", lists(&mut self.velocities, 3)?),
             ("attribute", Arc::new(StringArray::from(std::mem::take(&mut self.attributes)))),
-        ])?)
+        ];
+        let may_be_null = |name: &str| matches!(name, "class" | "score");
+        let columns = columns.map(|(name, values)| (name, values, may_be_null(name)));
+        Ok(RecordBatch::try_from_iter_with_nullable(columns)?)
     }
 }

@@ -4,17 +4,18 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 use scene::SceneReader;
-use schema::{AgentId, DetectionClass};
+use schema::AgentId;
 
 use crate::EvaluationError;
+use crate::attribute;
 use crate::boxes::{Prediction, SampleId, Solid, Target};
-use crate::details::Details;
+use crate::extent::Extent;
 use crate::mode::{Mode, SeenBy};
-use crate::nuscenes::{NuScenesScores, NuScenesTally, nuscenes_class};
-use crate::opv2v::{Opv2vScores, Opv2vTally, is_opv2v_vehicle};
-use crate::predictions::{PredictionFile, PredictionRow};
+use crate::predictions::{FoundBox, PredictionFile, PredictionRow};
 use crate::protocol::Protocol;
-use crate::simbev2x::{SimBev2xScores, SimBev2xTally};
+use crate::result::Evaluation;
+use crate::samples::Samples;
+use crate::tally::{Part, Wanted};
 use crate::targets::{Label, SceneLabels};
 
 /// As many boxes nuScenes lets a model find in a sample.
@@ -26,78 +27,21 @@ pub struct Plan<'a> {
     pub protocols: &'a [Protocol],
     /// By whom a box must be seen to be a target.
     pub seen: SeenBy,
-    /// Samples are frames 0, n, 2 n, ...; none: all that have boxes.
+    /// Samples are frames 0, n, 2 n, ... of every ego; none: those that the file names.
     pub every_n_frames: Option<u32>,
+    /// The part of an ego's surroundings in which targets and predictions count; none: all of it.
+    pub extent: Option<Extent>,
+    /// Whether nuScenes' attributes follow from speeds where the file says none.
+    pub attributes_by_speed: bool,
     /// How many of the worst frames are told, with curves and what was found at which distance; none: nothing
     /// of all this.
     pub worst_frames: Option<usize>,
+    /// How often as many scenes as there are are drawn to say how sure scores are; 0: never.
+    pub bootstrap_rounds: u32,
+    /// Whether scores are given by map, too.
+    pub by_map: bool,
     /// Which agents are egos.
     pub is_ego: &'a (dyn Fn(AgentId) -> bool + Sync),
-}
-
-/// The scores of the predictions of one mode.
-#[derive(Clone, Debug)]
-pub struct ModeScores {
-    /// With whom the model worked together.
-    pub mode: Mode,
-    /// How many samples have predictions of it.
-    pub samples: u64,
-    /// SimBEV2X's scores, if they were asked for.
-    pub simbev2x: Option<SimBev2xScores>,
-    /// What pages show of SimBEV2X's metrics, if they and it were asked for.
-    pub details: Option<Details>,
-    /// nuScenes' scores, likewise.
-    pub nuscenes: Option<NuScenesScores>,
-    /// OPV2V's scores, likewise.
-    pub opv2v: Option<Opv2vScores>,
-}
-
-/// What came of it.
-#[derive(Clone, Debug)]
-pub struct Evaluation {
-    /// Scores by mode.
-    pub modes: Vec<ModeScores>,
-    /// Frames of egos that were looked at.
-    pub samples: u64,
-    /// Predictions that were looked at.
-    pub predictions: u64,
-    /// Predictions of other frames and egos of these scenes, which were left out.
-    pub left_out: u64,
-}
-
-#[derive(Default)]
-struct Tally {
-    samples: u64,
-    simbev2x: SimBev2xTally,
-    nuscenes: NuScenesTally,
-    opv2v: Opv2vTally,
-}
-
-/// What a scene, or an ego of it, gives.
-struct PartialScores {
-    modes: Vec<Tally>,
-    samples: u64,
-    predictions: u64,
-    left_out: u64,
-}
-
-impl PartialScores {
-    fn new(modes: usize) -> Self {
-        let modes = std::iter::repeat_with(Tally::default).take(modes).collect();
-        Self { modes, samples: 0, predictions: 0, left_out: 0 }
-    }
-
-    fn append(&mut self, later: Self) {
-        self.samples += later.samples;
-        self.predictions += later.predictions;
-        self.left_out += later.left_out;
-        for (tally, later) in self.modes.iter_mut().zip(later.modes) {
-            tally.samples += later.samples;
-            tally.simbev2x.append(later.simbev2x);
-            tally.nuscenes.append(later.nuscenes);
-            tally.opv2v.append(later.opv2v);
-        }
-    }
 }
 
 /// Holds the predictions of some scenes against their boxes, on the threads of the pool at hand; the result
@@ -105,38 +49,41 @@ impl PartialScores {
 ///
 /// # Errors
 /// The store or the file cannot be read; a prediction is of an agent, a frame or a scene that is none; there
-/// is nothing to evaluate; nuScenes' metrics are asked for and a sample has more than 500 predictions.
+/// is nothing to evaluate; nuScenes' metrics are asked for and a sample has more than 500 predictions; scenes
+/// are to be drawn and there is but one.
 pub fn evaluate(
     scenes: &[SceneReader],
     file: &PredictionFile,
     plan: &Plan<'_>,
 ) -> Result<Evaluation, EvaluationError> {
     let modes: Vec<Mode> = file.modes().collect();
-    let mut whole = PartialScores::new(modes.len());
+    let keeps_scenes = plan.bootstrap_rounds > 0 || plan.by_map;
+    let (mut whole, mut of_scenes) = (Part::new(modes.len()), Vec::new());
     for some in scenes.chunks(rayon::current_num_threads().max(1)) {
         let parts: Vec<_> = some.par_iter().map(|scene| of_scene(scene, file, &modes, plan)).collect();
-        for part in parts {
-            whole.append(part?);
+        for (part, scene) in parts.into_iter().zip(some) {
+            let part = part?;
+            if keeps_scenes && part.counts.samples > 0 {
+                of_scenes.push((scene.info()?.map.clone(), part.clone()));
+            }
+            whole.append(part);
         }
     }
-    if whole.predictions == 0 {
+    if whole.counts.predictions + whole.counts.without_boxes == 0 {
         let problem = "none of its rows is of a frame and agent that is evaluated".to_owned();
         return Err(EvaluationError::Predictions { path: file.path().to_owned(), problem });
     }
-    let scores = modes.into_iter().zip(&whole.modes).map(|(mode, tally)| ModeScores {
-        mode,
-        samples: tally.samples,
-        simbev2x: plan.protocols.contains(&Protocol::SimBev2x).then(|| tally.simbev2x.scores()),
-        details: plan
-            .worst_frames
-            .filter(|_| plan.protocols.contains(&Protocol::SimBev2x))
-            .map(|frames| tally.simbev2x.details(frames)),
-        nuscenes: plan.protocols.contains(&Protocol::NuScenes).then(|| tally.nuscenes.scores()),
-        opv2v: plan.protocols.contains(&Protocol::Opv2v).then(|| tally.opv2v.scores()),
-    });
-    let modes = scores.collect();
-    let PartialScores { samples, predictions, left_out, .. } = whole;
-    Ok(Evaluation { modes, samples, predictions, left_out })
+    if plan.bootstrap_rounds > 0 && of_scenes.len() < 2 {
+        return Err(EvaluationError::Refused(
+            "--bootstrap draws scenes, and there is but one that is evaluated".into(),
+        ));
+    }
+    let wanted = Wanted {
+        protocols: plan.protocols.to_vec(),
+        worst_frames: plan.worst_frames,
+        has_attributes: file.has_attributes() || plan.attributes_by_speed,
+    };
+    Ok(Evaluation::new(modes, &whole, of_scenes, plan.bootstrap_rounds, plan.by_map, wanted))
 }
 
 fn of_scene(
@@ -144,11 +91,10 @@ fn of_scene(
     file: &PredictionFile,
     modes: &[Mode],
     plan: &Plan<'_>,
-) -> Result<PartialScores, EvaluationError> {
+) -> Result<Part, EvaluationError> {
     let (info, agents, number) = (scene.info()?, scene.agents()?, scene.scene());
     let labelled = info.label_every_n_frames.max(1);
-    let every = plan.every_n_frames.unwrap_or(labelled);
-    if !every.is_multiple_of(labelled) {
+    if let Some(every) = plan.every_n_frames.filter(|every| !every.is_multiple_of(labelled)) {
         return Err(EvaluationError::Refused(format!(
             "scene {number} has boxes at every {labelled}th frame: every {every}th is no multiple of that"
         )));
@@ -172,23 +118,32 @@ fn of_scene(
         }
     }
     let all = rows.len();
-    rows.retain(|row| schema::rate::is_due(row.frame, every) && (plan.is_ego)(row.agent));
+    rows.retain(|row| (plan.is_ego)(row.agent));
+    let samples = match plan.every_n_frames {
+        Some(every) => {
+            rows.retain(|row| schema::rate::is_due(row.frame, every));
+            let egos: Vec<AgentId> = agents.into_iter().filter(|agent| (plan.is_ego)(*agent)).collect();
+            Samples::every(every, info.frames, &egos)
+        }
+        None => Samples::named(&rows),
+    };
     // Those of one sample and mode stay in the file's order.
     rows.sort_by_key(|row| (row.agent, row.frame, row.mode));
-    let labels = SceneLabels::read(scene, every)?;
-    let egos: Vec<AgentId> = agents.into_iter().filter(|agent| (plan.is_ego)(*agent)).collect();
+    let mut whole = Part::new(modes.len());
+    whole.counts.left_out = (all - rows.len()) as u64;
+    (whole.counts.without_boxes, whole.counts.between) = (samples.without_boxes, samples.between);
+    let labels = SceneLabels::read(scene, |frame| samples.has_frame(frame))?;
+    let egos: Vec<_> = samples.frames().collect();
     let parts: Vec<_> = egos
         .par_iter()
-        .map(|ego| {
-            let mut part = PartialScores::new(modes.len());
-            for frame in schema::rate::due(info.frames, every) {
-                add_sample(&mut part, (number, frame, *ego), &labels, &rows, modes, plan)?;
+        .map(|(ego, frames)| {
+            let mut part = Part::new(modes.len());
+            for frame in frames.iter() {
+                add_sample(&mut part, (number, *frame, *ego), &labels, &rows, modes, plan)?;
             }
-            Ok::<PartialScores, EvaluationError>(part)
+            Ok::<Part, EvaluationError>(part)
         })
         .collect();
-    let mut whole = PartialScores::new(modes.len());
-    whole.left_out = (all - rows.len()) as u64;
     for part in parts {
         whole.append(part?);
     }
@@ -204,21 +159,23 @@ fn range_of(rows: &[PredictionRow], ego: AgentId, frame: u32, mode: Mode) -> Ran
 }
 
 fn add_sample(
-    part: &mut PartialScores,
+    part: &mut Part,
     (scene, frame, ego): (u32, u32, AgentId),
     labels: &SceneLabels,
     rows: &[PredictionRow],
     modes: &[Mode],
     plan: &Plan<'_>,
 ) -> Result<(), EvaluationError> {
-    let Some((own, xyz_m)) = labels.pose(frame, ego) else {
+    let Some(pose) = labels.pose(frame, ego) else {
         let problem = "`agents` has no row of it".to_owned();
         return Err(EvaluationError::Labels { scene, frame, agent: ego.to_string(), problem });
     };
-    let boxes = labels.of(frame, ego, plan.seen);
-    part.samples += 1;
+    let counts = |solid: &Solid| plan.extent.is_none_or(|extent| extent.holds(&pose, solid));
+    let boxes: Vec<Label> =
+        labels.of(frame, ego, plan.seen).into_iter().filter(|label| counts(&label.solid)).collect();
+    part.counts.samples += 1;
     let distance_m = |solid: &Solid| {
-        let away = [0, 1].map(|axis| solid.center_m[axis] - xyz_m[axis]);
+        let away = [0, 1].map(|axis| solid.center_m[axis] - pose.xyz_m[axis]);
         (away[0] * away[0] + away[1] * away[1]).sqrt()
     };
     let target = |class: usize, label: &Label| Target {
@@ -229,45 +186,47 @@ fn add_sample(
         sighting: label.sighting,
         attribute: label.attribute,
     };
-    let canonical = |class: DetectionClass| DetectionClass::ALL.into_iter().position(|c| c == class);
     let seen = || boxes.iter().filter(|label| label.is_seen);
     let simbev2x: Vec<Target> =
-        seen().filter_map(|label| canonical(label.class).map(|class| target(class, label))).collect();
-    let vehicles = seen().filter(|label| label.id != own && is_opv2v_vehicle(label.class));
+        seen().filter_map(|label| Some(target(label.class.in_simbev2x()?, label))).collect();
+    let vehicles = seen().filter(|label| label.id != pose.id && label.class.is_opv2v_vehicle());
     let opv2v: Vec<Target> = vehicles.map(|label| target(0, label)).collect();
     let has_points = |label: &&Label| plan.seen == SeenBy::Nobody || label.points > 0;
     let nuscenes: Vec<Target> = boxes
         .iter()
-        .filter(|label| label.id != own)
+        .filter(|label| label.id != pose.id)
         .filter(has_points)
         .filter_map(|label| {
-            let (class, range_m) = nuscenes_class(label.class)?;
+            let (class, range_m) = label.class.in_nuscenes()?;
             Some(target(class, label)).filter(|target| target.distance_m < range_m)
         })
         .collect();
     for (mode, tally) in modes.iter().zip(&mut part.modes) {
-        let found = &rows[range_of(rows, ego, frame, *mode)];
-        part.predictions += found.len() as u64;
+        let found: Vec<&FoundBox> = rows[range_of(rows, ego, frame, *mode)]
+            .iter()
+            .filter_map(|row| row.found.as_ref())
+            .filter(|found| counts(&found.solid))
+            .collect();
+        part.counts.predictions += found.len() as u64;
         tally.samples += u64::from(!found.is_empty());
-        let prediction = |class, row: &PredictionRow| Prediction {
+        let prediction = |class, found: &FoundBox| Prediction {
             class,
-            score: row.score,
-            solid: row.solid,
-            distance_m: distance_m(&row.solid),
-            attribute: row.attribute,
+            score: found.score,
+            solid: found.solid,
+            distance_m: distance_m(&found.solid),
+            attribute: found
+                .attribute
+                .or_else(|| attribute::by_speed(found).filter(|_| plan.attributes_by_speed)),
         };
         if plan.protocols.contains(&Protocol::SimBev2x) {
-            let found: Vec<Prediction> = found
-                .iter()
-                .filter_map(|row| canonical(row.class).map(|class| prediction(class, row)))
-                .collect();
+            let of = |found: &&FoundBox| Some(prediction(found.class.in_simbev2x()?, found));
             if plan.worst_frames.is_some() {
                 tally.simbev2x.begin(SampleId { scene, frame, ego });
             }
-            tally.simbev2x.add(&simbev2x, &found);
+            tally.simbev2x.add(&simbev2x, &found.iter().filter_map(of).collect::<Vec<_>>());
         }
         if plan.protocols.contains(&Protocol::NuScenes) {
-            let known = || found.iter().filter_map(|row| Some((nuscenes_class(row.class)?, row)));
+            let known = || found.iter().filter_map(|found| Some((found.class.in_nuscenes()?, *found)));
             let count = known().count();
             if count > MAX_BOXES {
                 return Err(EvaluationError::Refused(format!(
@@ -275,16 +234,16 @@ fn add_sample(
                      (keep the surest, or evaluate with --metrics simbev2x)"
                 )));
             }
-            let found: Vec<Prediction> = known()
-                .map(|((class, range_m), row)| (range_m, prediction(class, row)))
+            let near: Vec<Prediction> = known()
+                .map(|((class, range_m), found)| (range_m, prediction(class, found)))
                 .filter(|(range_m, prediction)| prediction.distance_m < *range_m)
                 .map(|(_, prediction)| prediction)
                 .collect();
-            tally.nuscenes.add(&nuscenes, &found);
+            tally.nuscenes.add(&nuscenes, &near);
         }
         if plan.protocols.contains(&Protocol::Opv2v) {
-            let vehicles = found.iter().filter(|row| is_opv2v_vehicle(row.class));
-            tally.opv2v.add(&opv2v, &vehicles.map(|row| prediction(0, row)).collect::<Vec<_>>());
+            let vehicles = found.iter().filter(|found| found.class.is_opv2v_vehicle());
+            tally.opv2v.add(&opv2v, &vehicles.map(|found| prediction(0, found)).collect::<Vec<_>>());
         }
     }
     Ok(())

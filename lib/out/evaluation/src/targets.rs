@@ -6,17 +6,18 @@ use std::ops::Range;
 use scene::SceneReader;
 use schema::table::Row;
 use schema::tables::{ActorRow, AgentRow, BoxRow, ValidBoxRow};
-use schema::{ActorKind, AgentId, Attributes, DetectionClass, Difficulty, nuscenes_attribute};
+use schema::{ActorKind, AgentId, Attributes, DetectionClass, Difficulty, is_trailer, nuscenes_attribute};
 use store::{RowGroups, keys};
 
 use crate::EvaluationError;
-use crate::boxes::{Sighting, Solid};
+use crate::attribute::number_of_attribute;
+use crate::boxes::{Sighting, Solid, yaw_of};
+use crate::class::BoxClass;
 use crate::mode::SeenBy;
-use crate::predictions::number_of_attribute;
 
 schema::columns! {
     /// Where agents are.
-    Pose of AgentRow { frame: u32, agent: String, id: u16, xyz_m: [f64; 3] }
+    AgentPose of AgentRow { frame: u32, agent: String, id: u16, xyz_m: [f64; 3], quaternion: [f64; 4] }
 }
 
 schema::columns! {
@@ -43,7 +44,7 @@ schema::columns! {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Label {
     pub(crate) id: u16,
-    pub(crate) class: DetectionClass,
+    pub(crate) class: BoxClass,
     pub(crate) solid: Solid,
     pub(crate) difficulty: Difficulty,
     /// Whether somebody who counts saw it.
@@ -56,14 +57,25 @@ pub(crate) struct Label {
     pub(crate) attribute: Option<u8>,
 }
 
+/// Where an agent is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pose {
+    /// Its own object.
+    pub(crate) id: u16,
+    /// In the world, m.
+    pub(crate) xyz_m: [f64; 3],
+    /// Where it points to, about the world's up axis, rad.
+    pub(crate) yaw_rad: f64,
+}
+
 /// The lists of all agents of a scene at some frames.
 #[derive(Debug)]
 pub(crate) struct SceneLabels {
     labels: Vec<Label>,
     /// Which of them are whose, by frame and agent.
     lists: BTreeMap<(u32, AgentId), Range<usize>>,
-    /// Id and place of each agent, likewise.
-    poses: BTreeMap<u32, BTreeMap<AgentId, (u16, [f64; 3])>>,
+    /// Where each agent is, likewise.
+    poses: BTreeMap<u32, BTreeMap<AgentId, Pose>>,
 }
 
 /// The rows of a table, one after the other.
@@ -79,19 +91,20 @@ fn rows<R: Row>(
 }
 
 impl SceneLabels {
-    /// Reads those of frames 0, n, 2 n, ...
-    pub(crate) fn read(scene: &SceneReader, every_n_frames: u32) -> Result<Self, EvaluationError> {
-        let is_due = |frame: u32| schema::rate::is_due(frame, every_n_frames);
+    /// Reads those of the frames that are wanted.
+    pub(crate) fn read(scene: &SceneReader, is_due: impl Fn(u32) -> bool) -> Result<Self, EvaluationError> {
         let number = scene.scene();
         let named = |frame: u32, agent: &str| {
             let fault = |problem: String| fault(number, frame, agent, problem);
             agent.parse::<AgentId>().map_err(|e| fault(e.to_string()))
         };
-        let mut poses: BTreeMap<u32, BTreeMap<AgentId, (u16, [f64; 3])>> = BTreeMap::new();
-        for pose in rows::<Pose>(scene)? {
-            let Pose { frame, agent, id, xyz_m } = pose?;
+        let mut poses: BTreeMap<u32, BTreeMap<AgentId, Pose>> = BTreeMap::new();
+        for pose in rows::<AgentPose>(scene)? {
+            let AgentPose { frame, agent, id, xyz_m, quaternion } = pose?;
             if is_due(frame) {
-                poses.entry(frame).or_default().insert(named(frame, &agent)?, (id, xyz_m));
+                let yaw_rad = yaw_of(quaternion)
+                    .ok_or_else(|| fault(number, frame, &agent, "its `quaternion` is no rotation".into()))?;
+                poses.entry(frame).or_default().insert(named(frame, &agent)?, Pose { id, xyz_m, yaw_rad });
             }
         }
         let mut kinds = BTreeMap::new();
@@ -130,8 +143,8 @@ impl SceneLabels {
         Ok(Self { labels, lists, poses })
     }
 
-    /// Where an agent is, and its own object.
-    pub(crate) fn pose(&self, frame: u32, agent: AgentId) -> Option<(u16, [f64; 3])> {
+    /// Where an agent is.
+    pub(crate) fn pose(&self, frame: u32, agent: AgentId) -> Option<Pose> {
         self.poses.get(&frame)?.get(&agent).copied()
     }
 
@@ -146,8 +159,8 @@ impl SceneLabels {
             SeenBy::Partners { .. } => {
                 let by_id: BTreeMap<u16, usize> = own.iter().enumerate().map(|(i, l)| (l.id, i)).collect();
                 let others = self.poses.get(&frame);
-                let here = self.pose(frame, agent).map_or([f64::NAN; 3], |(_, xyz_m)| xyz_m);
-                for (other, (_, xyz_m)) in others.into_iter().flatten() {
+                let here = self.pose(frame, agent).map_or([f64::NAN; 3], |pose| pose.xyz_m);
+                for (other, Pose { xyz_m, .. }) in others.into_iter().flatten() {
                     if !seen.is_partner((agent, here), (*other, *xyz_m)) {
                         continue;
                     }
@@ -178,7 +191,11 @@ fn label(placed: &Placed, sight: &Sight, kind: ActorKind) -> Option<Label> {
     let attribute = nuscenes_attribute(class, kind, &placed.semantic_tags, &placed.attributes, speed_mps);
     Some(Label {
         id: placed.id,
-        class,
+        class: if is_trailer(class, &placed.attributes) {
+            BoxClass::Trailer
+        } else {
+            BoxClass::Detection(class)
+        },
         solid: Solid {
             center_m: placed.center_m,
             size_m: placed.size_m,

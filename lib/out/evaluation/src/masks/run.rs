@@ -1,5 +1,7 @@
 //! A folder of masks against scenes of a store.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use scene::{ArrayReader, SceneReader};
 use schema::arrays::BEV_MASKS;
@@ -9,7 +11,9 @@ use serde::Deserialize;
 use super::folder::MaskFolder;
 use super::tally::{Grid, MaskScores, MaskTally};
 use crate::EvaluationError;
+use crate::measures::of_mask_modes;
 use crate::mode::Mode;
+use crate::result::{ResultRow, rows_of};
 
 /// Masks have at most so many channels.
 const MOST_CLASSES: usize = 32;
@@ -37,6 +41,20 @@ pub struct MaskMode {
 pub struct MaskEvaluation {
     /// Scores by mode.
     pub modes: Vec<MaskMode>,
+    /// All numbers: those of all scenes, then those of each map if they were asked for.
+    pub rows: Vec<ResultRow>,
+}
+
+/// Which masks are evaluated, and what is said of them.
+pub struct MaskPlan<'a> {
+    /// Frames 0, n, 2 n, ... are evaluated; none: all that have masks.
+    pub every_n_frames: Option<u32>,
+    /// How often as many scenes as there are are drawn to say how sure scores are; 0: never.
+    pub bootstrap_rounds: u32,
+    /// Whether scores are given by map, too.
+    pub by_map: bool,
+    /// Which agents are egos.
+    pub is_ego: &'a (dyn Fn(AgentId) -> bool + Sync),
 }
 
 /// An ego of a scene.
@@ -51,17 +69,17 @@ struct Ego<'a> {
 ///
 /// # Errors
 /// The store or the folder cannot be read; an ego or frame that is evaluated has no masks; masks have other
-/// classes than the store's, or cells that do not lie on its cells; a score is none.
+/// classes than the store's, or cells that do not lie on its cells; a score is none; scenes are to be drawn
+/// and there is but one.
 pub fn evaluate_masks(
     scenes: &[SceneReader],
     masks: &MaskFolder,
-    every_n_frames: Option<u32>,
-    is_ego: &(dyn Fn(AgentId) -> bool + Sync),
+    plan: &MaskPlan<'_>,
 ) -> Result<MaskEvaluation, EvaluationError> {
     let mut egos = Vec::new();
     for scene in scenes {
         let frames = scene.info()?.frames;
-        let agents = scene.agents()?.into_iter().filter(|agent| is_ego(*agent));
+        let agents = scene.agents()?.into_iter().filter(|agent| (plan.is_ego)(*agent));
         egos.extend(agents.map(|agent| Ego { scene, agent, frames }));
     }
     let Some(first) = egos.first() else {
@@ -70,19 +88,48 @@ pub fn evaluate_masks(
         ));
     };
     let (classes, _) = describe(first)?;
-    let mut tallies = vec![MaskTally::new(&classes); masks.modes().len()];
+    let mut by_scene: BTreeMap<u32, (String, Vec<MaskTally>)> = BTreeMap::new();
+    let nothing = vec![MaskTally::new(&classes); masks.modes().len()];
     for some in egos.chunks(4 * rayon::current_num_threads().max(1)) {
-        let parts: Vec<_> = some.par_iter().map(|ego| of_ego(ego, masks, every_n_frames, &classes)).collect();
-        for part in parts {
-            for (tally, part) in tallies.iter_mut().zip(part?) {
-                tally.append(&part);
-            }
+        let parts: Vec<_> =
+            some.par_iter().map(|ego| of_ego(ego, masks, plan.every_n_frames, &classes)).collect();
+        for (ego, part) in some.iter().zip(parts) {
+            let scene = by_scene.entry(ego.scene.scene());
+            let (_, tallies) = scene.or_insert((ego.scene.info()?.map.clone(), nothing.clone()));
+            append(tallies, &part?);
         }
     }
-    let modes = masks.modes().iter().zip(&tallies);
-    Ok(MaskEvaluation {
-        modes: modes.map(|(mode, tally)| MaskMode { mode: *mode, scores: tally.scores() }).collect(),
-    })
+    if plan.bootstrap_rounds > 0 && by_scene.len() < 2 {
+        return Err(EvaluationError::Refused(
+            "--bootstrap draws scenes, and there is but one that is evaluated".into(),
+        ));
+    }
+    let scores = |some: &[&Vec<MaskTally>]| -> Vec<MaskMode> {
+        let mut tallies = nothing.clone();
+        some.iter().for_each(|part| append(&mut tallies, part));
+        let modes = masks.modes().iter().zip(&tallies);
+        modes.map(|(mode, tally)| MaskMode { mode: *mode, scores: tally.scores() }).collect()
+    };
+    let measures = |some: &[&Vec<MaskTally>]| of_mask_modes(&scores(some));
+    let (mut by_map, mut parts) = (BTreeMap::<String, Vec<Vec<MaskTally>>>::new(), Vec::new());
+    for (map, part) in by_scene.into_values() {
+        if plan.by_map {
+            by_map.entry(map).or_default().push(part.clone());
+        }
+        parts.push(part);
+    }
+    let modes = scores(&parts.iter().collect::<Vec<_>>());
+    let mut rows = rows_of(None, of_mask_modes(&modes), &parts, plan.bootstrap_rounds, measures);
+    for (map, parts) in by_map {
+        let values = measures(&parts.iter().collect::<Vec<_>>());
+        rows.extend(rows_of(Some(map), values, &parts, plan.bootstrap_rounds, measures));
+    }
+    Ok(MaskEvaluation { modes, rows })
+}
+
+/// Adds the tallies of each mode.
+fn append(to: &mut [MaskTally], part: &[MaskTally]) {
+    to.iter_mut().zip(part).for_each(|(tally, part)| tally.append(part));
 }
 
 /// What the store's masks of an ego are, and their classes.

@@ -10,11 +10,11 @@ use arrow_array::{
     StringArray, UInt32Array,
 };
 use arrow_schema::{DataType, Field};
-use evaluation::{Mode, PredictionFile};
+use evaluation::{BoxClass, Mode, PredictionFile};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
-use schema::{AgentId, DetectionClass};
+use schema::AgentId;
 
 /// Lists of as many numbers as each of some rows has.
 fn lists<const N: usize>(rows: &[[f64; N]]) -> ArrayRef {
@@ -63,10 +63,14 @@ fn rows_are_found_scene_by_scene() {
     assert_eq!(file.scenes().collect::<Vec<_>>(), [2, 4]);
     assert_eq!(file.modes().collect::<Vec<_>>(), [Mode::Unsaid]);
     let rows = file.rows(4).expect("are good");
-    let facts = |i: usize| (rows[i].row, rows[i].frame, rows[i].agent, rows[i].class, rows[i].score);
-    assert_eq!(facts(0), (0, 10, AgentId::vehicle(0), DetectionClass::Car, 0.5));
-    assert_eq!(facts(1), (2, 30, AgentId::vehicle(0), DetectionClass::Car, 1.0));
-    assert!(rows.len() == 2 && rows[0].solid.velocity_mps[1].is_nan());
+    let car = BoxClass::from_name("car").expect("is a class");
+    let facts = |i: usize| {
+        let found = rows[i].found.expect("has a box");
+        ((rows[i].row, rows[i].frame, rows[i].agent), found.class, found.score)
+    };
+    assert_eq!(facts(0), ((0, 10, AgentId::vehicle(0)), car, 0.5));
+    assert_eq!(facts(1), ((2, 30, AgentId::vehicle(0)), car, 1.0));
+    assert!(rows.len() == 2 && rows[0].found.is_some_and(|found| found.solid.velocity_mps[1].is_nan()));
     let other = file.rows(2).expect("are good");
     assert_eq!((other.len(), other[0].row, other[0].agent), (1, 1, AgentId::rsu(1)));
     assert_eq!(file.rows(3).expect("there are none"), []);
@@ -83,8 +87,9 @@ fn lists_of_any_kind_and_modes_are_read() {
     let file = PredictionFile::open(&path).expect("is good");
     assert_eq!(file.modes().collect::<Vec<_>>(), [Mode::None, Mode::X2x]);
     let rows = file.rows(4).expect("are good");
-    assert!(rows[1].mode == Mode::X2x && rows[0].solid.size_m == [4.0, 2.0, 1.5]);
-    assert!(rows[0].solid.velocity_mps.iter().all(|v| v.is_nan()));
+    let solid = rows[0].found.expect("has a box").solid;
+    assert!(rows[1].mode == Mode::X2x && solid.size_m == [4.0, 2.0, 1.5]);
+    assert!(solid.velocity_mps.iter().all(|v| v.is_nan()));
 }
 
 #[test]
@@ -98,12 +103,32 @@ fn attributes_may_be_unknown_but_not_unheard_of() {
     let known = attributes(vec![Some("vehicle.stopped"), None, Some("")]);
     let path = write(folder.path(), known, Compression::UNCOMPRESSED);
     let file = PredictionFile::open(&path).expect("is good");
-    let of = |scene| file.rows(scene).expect("are good").into_iter().map(|row| row.attribute);
+    let of =
+        |scene| file.rows(scene).expect("are good").into_iter().filter_map(|row| Some(row.found?.attribute));
     assert!(of(4).chain(of(2)).eq([Some(1), None, None]));
     let other = attributes(vec![Some("vehicle.flying"), None, None]);
     let path = write(folder.path(), other, Compression::UNCOMPRESSED);
     let fault = PredictionFile::open(&path).expect("opens").rows(4).expect_err("is refused").to_string();
     assert!(fault.contains("row 0: `attribute` is `vehicle.flying`, which is no attribute"), "{fault}");
+}
+
+#[test]
+fn a_row_without_a_class_names_a_sample() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let without_class = |scores: Vec<Option<f64>>| {
+        let mut columns = good();
+        columns[3].1 = Arc::new(StringArray::from(vec![Some("trailer"), Some("bus"), None]));
+        columns[4].1 = Arc::new(Float64Array::from(scores));
+        columns
+    };
+    let path =
+        write(folder.path(), without_class(vec![Some(0.5), Some(0.5), None]), Compression::UNCOMPRESSED);
+    let rows = PredictionFile::open(&path).and_then(|file| file.rows(4)).expect("is good");
+    assert_eq!(rows[0].found.map(|found| found.class), Some(BoxClass::Trailer));
+    assert_eq!((rows[1].frame, rows[1].found), (30, None));
+    // A score says that something was found.
+    let text = fault(without_class(vec![Some(0.5); 3]));
+    assert!(text.starts_with("row 2: `class` is null, expected a detection class"), "{text}");
 }
 
 #[test]
@@ -133,7 +158,10 @@ fn scenes_are_read_by_several_threads_at_once() {
         let read = |scene: u32| {
             let rows = file.rows(scene).expect("are good");
             assert_eq!(rows.len(), ROWS / 10);
-            assert!(rows.iter().all(|row| row.solid.center_m == at(row.row)), "scene {scene}");
+            assert!(
+                rows.iter().all(|row| row.found.is_some_and(|found| found.solid.center_m == at(row.row))),
+                "scene {scene}"
+            );
         };
         for _ in 0..4 {
             scope.spawn(move || (0..10).for_each(read));

@@ -122,7 +122,7 @@ fn tallied<T: Default>(
 fn check_nuscenes(cases: impl IntoIterator<Item = Vec<(Vec<Target>, Vec<Prediction>)>>, expected: &[Value]) {
     let mut numbers = 0;
     for (i, (samples, want)) in cases.into_iter().zip(expected).enumerate() {
-        let scores = tallied(&samples, NuScenesTally::add, NuScenesTally::append).scores();
+        let scores = tallied(&samples, NuScenesTally::add, NuScenesTally::append).scores(true);
         let name = |what: &str| format!("case {i}, {what}");
         numbers += check(scores.classes.iter().flat_map(|c| c.ap), &want["ap"], &name("AP"));
         numbers += check(scores.classes.iter().flat_map(|c| c.errors), &want["errors"], &name("errors"));

@@ -73,10 +73,13 @@ fn perfect_twice_and_no_predictions() {
     assert!(simbev2x(&[(Vec::new(), once.clone())]).sds().is_nan());
     let mut nuscenes = NuScenesTally::default();
     nuscenes.add(&targets, &once);
-    let scores = nuscenes.scores();
+    let scores = nuscenes.scores(true);
     assert!((scores.mean_ap() - 1.0).abs() < 1e-12, "{}", scores.mean_ap());
-    // Without attributes their error is a whole one.
+    // Attributes that are unknown are a whole error; where no prediction says any there is no such error.
     assert!((scores.nds() - 0.9).abs() < 1e-12, "{}", scores.nds());
+    let scores = nuscenes.scores(false);
+    assert!((scores.nds() - 1.0).abs() < 1e-12 && scores.mean_errors()[4].is_nan(), "{}", scores.nds());
+    assert_eq!(scores.nds_name(), "NDS without AAE");
 }
 
 #[test]

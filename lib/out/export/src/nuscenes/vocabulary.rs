@@ -53,10 +53,8 @@ pub(crate) const VISIBILITIES: [(&str, &str, &str); 4] = [
 pub(crate) fn category(class: DetectionClass, facts: &Attributes) -> &'static str {
     match class {
         DetectionClass::Car => "vehicle.car",
-        DetectionClass::Truck => match facts.get(&Attribute::SpecialType) {
-            Some("trailer") => "vehicle.trailer",
-            _ => "vehicle.truck",
-        },
+        DetectionClass::Truck if schema::is_trailer(class, facts) => "vehicle.trailer",
+        DetectionClass::Truck => "vehicle.truck",
         DetectionClass::Bus => match facts.get(&Attribute::SpecialType) {
             Some("articulated") => "vehicle.bus.bendy",
             _ => "vehicle.bus.rigid",
