@@ -142,7 +142,7 @@ fn boxes(args: &Evaluate, store: &Store, predictions: &Path) -> Result<Evaluatio
     let file = open_predictions(args, &all, predictions)?;
     let scenes = scenes_of_boxes(args, &all, &file)?;
     let protocols: Vec<Protocol> = match args.metrics.as_slice() {
-        [] => Protocol::ALL.to_vec(),
+        [] => Protocol::USUAL.to_vec(),
         some => Protocol::ALL.into_iter().filter(|p| some.iter().any(|m| protocol(*m) == *p)).collect(),
     };
     // An export to nuScenes is of the boxes that each agent sees by itself.
@@ -217,6 +217,7 @@ fn masks(args: &Evaluate, store: &Store, folder: &Path) -> Result<MaskEvaluation
 fn protocol(metrics: Metrics) -> Protocol {
     match metrics {
         Metrics::Simbev2x => Protocol::SimBev2x,
+        Metrics::Simbev2xIou => Protocol::SimBev2xIou,
         Metrics::Nuscenes => Protocol::NuScenes,
         Metrics::Opv2v => Protocol::Opv2v,
     }

@@ -8,8 +8,6 @@ use evaluation::{
     NuScenesScores, Opv2vScores, Ring, SimBev2xScores, THRESHOLDS_IOU, THRESHOLDS_M,
 };
 
-use crate::table::mean;
-
 /// The page of what was evaluated.
 pub(crate) fn page(name: &str, boxes: Option<&Evaluation>, masks: Option<&MaskEvaluation>) -> String {
     let mut about = Vec::new();
@@ -37,7 +35,8 @@ fn titled(what: &str, mode: Mode) -> String {
 
 fn part_of_boxes(scores: &ModeScores) -> ScorePart {
     let mut tables = Vec::new();
-    tables.extend(scores.simbev2x.as_ref().map(of_simbev2x));
+    tables.extend(scores.simbev2x.as_ref().map(|scores| of_simbev2x("SimBEV2X", scores)));
+    tables.extend(scores.simbev2x_iou.as_ref().map(|scores| of_simbev2x("SimBEV2X by overlap", scores)));
     tables.extend(scores.nuscenes.as_ref().map(of_nuscenes));
     tables.extend(scores.opv2v.as_ref().map(of_opv2v));
     let mut part = ScorePart { title: titled("Boxes", scores.mode), tables, ..ScorePart::default() };
@@ -117,7 +116,7 @@ fn named(names: &[&str], decimals: usize) -> Vec<(String, usize)> {
     names.iter().map(|name| ((*name).to_owned(), decimals)).collect()
 }
 
-fn of_simbev2x(scores: &SimBev2xScores) -> Table {
+fn of_simbev2x<const N: usize>(title: &str, scores: &SimBev2xScores<N>) -> Table {
     let mut columns = named(&["targets"], 0);
     columns.extend(
         Level::ALL.map(|level| (if level == Level::All { "AP".into() } else { level.name().into() }, 1)),
@@ -125,8 +124,8 @@ fn of_simbev2x(scores: &SimBev2xScores) -> Table {
     columns.extend(named(&["ATE_m", "AOE, rad", "ASE", "AVE, m/s"], 3));
     let mut rows = Rows::new(columns);
     for class in scores.classes.iter().filter(|class| class.targets[0] > 0) {
-        let ap = Level::ALL.map(|level| percent(mean(class.ap.iter().map(|ap| ap[level as usize]))));
-        let errors = [0, 1, 2, 3].map(|i: usize| number(mean(class.errors.iter().map(|errors| errors[i]))));
+        let ap = Level::ALL.map(|level| percent(class.mean_ap(level)));
+        let errors = class.mean_errors().map(number);
         rows.push(class.name, [Some(class.targets[0] as f64)].into_iter().chain(ap).chain(errors));
     }
     let targets: u64 = scores.classes.iter().map(|class| class.targets[0]).sum();
@@ -136,7 +135,7 @@ fn of_simbev2x(scores: &SimBev2xScores) -> Table {
         "SDS {}. AP in %: of all targets, by difficulty, by distance, and of those with points of the ego's lidars or of partners' alone.",
         percent(scores.sds()).map_or("none".into(), |sds| format!("{sds:.1}"))
     );
-    rows.table("SimBEV2X", &note)
+    rows.table(title, &note)
 }
 
 fn of_nuscenes(scores: &NuScenesScores) -> Table {

@@ -30,7 +30,10 @@ pub(crate) fn of_boxes(result: &Evaluation) -> String {
     }
     for scores in &result.modes {
         if let Some(simbev2x) = &scores.simbev2x {
-            put(&mut text, of_simbev2x(simbev2x, scores));
+            put(&mut text, of_simbev2x("SimBEV2X", simbev2x, scores));
+        }
+        if let Some(simbev2x) = &scores.simbev2x_iou {
+            put(&mut text, of_simbev2x("SimBEV2X by overlap", simbev2x, scores));
         }
         if let Some(nuscenes) = &scores.nuscenes {
             put(&mut text, of_nuscenes(nuscenes, scores));
@@ -67,20 +70,14 @@ fn line(text: &mut String, first: &str, cells: &[String]) {
 const DIFFICULTIES: [Level; 4] = [Level::All, Level::Easy, Level::Medium, Level::Hard];
 const PLACES: [Level; 5] = [Level::Near, Level::Middle, Level::Far, Level::Ego, Level::Partners];
 
-/// The mean of those that are numbers.
-pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let values: Vec<f64> = values.filter(|v| !v.is_nan()).collect();
-    if values.is_empty() { f64::NAN } else { values.iter().sum::<f64>() / values.len() as f64 }
-}
-
-fn of_simbev2x(scores: &SimBev2xScores, of: &ModeScores) -> String {
-    let mut text = heading("SimBEV2X", of);
+fn of_simbev2x<const N: usize>(title: &str, scores: &SimBev2xScores<N>, of: &ModeScores) -> String {
+    let mut text = heading(title, of);
     let names = ["targets", "AP", "easy", "medium", "hard", "ATE m", "AOE rad", "ASE", "AVE m/s"];
     line(&mut text, "class", &names.map(String::from));
     for class in &scores.classes {
         let mut cells = vec![class.targets[0].to_string()];
-        cells.extend(DIFFICULTIES.map(|l| percent(mean(class.ap.iter().map(|ap| ap[l as usize])))));
-        cells.extend((0..4).map(|i| error(mean(class.errors.iter().map(|errors| errors[i])))));
+        cells.extend(DIFFICULTIES.map(|level| percent(class.mean_ap(level))));
+        cells.extend(class.mean_errors().map(error));
         line(&mut text, class.name, &cells);
     }
     let targets: u64 = scores.classes.iter().map(|class| class.targets[0]).sum();
@@ -96,10 +93,7 @@ fn of_simbev2x(scores: &SimBev2xScores, of: &ModeScores) -> String {
     let of = |level: Level| [level.name().to_owned(), "targets".to_owned()];
     line(&mut text, "class", &PLACES.map(of).concat());
     for class in &scores.classes {
-        let of = |level: Level| {
-            let ap = mean(class.ap.iter().map(|ap| ap[level as usize]));
-            [percent(ap), class.targets[level as usize].to_string()]
-        };
+        let of = |level: Level| [percent(class.mean_ap(level)), class.targets[level as usize].to_string()];
         line(&mut text, class.name, &PLACES.map(of).concat());
     }
     let of = |level: Level| {

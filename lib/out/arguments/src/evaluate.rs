@@ -46,7 +46,7 @@ pub struct Evaluate {
     /// all that the store has).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub every: Option<u32>,
-    /// The metrics of boxes (default: all).
+    /// The metrics of boxes (default: all but simbev2x-iou).
     #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
     pub metrics: Vec<Metrics>,
     /// By whom a box must be seen to count (default: partners; of nuScenes' results ego).
@@ -96,6 +96,8 @@ pub enum Part {
 pub enum Metrics {
     /// mAP by difficulty, distance and who saw, ATE, AOE, ASE, AVE, SDS
     Simbev2x,
+    /// The same, found by the overlap of volumes
+    Simbev2xIou,
     /// mAP, ATE, ASE, AOE, AVE, AAE, NDS
     Nuscenes,
     /// AP of vehicles by overlap from above, with and without global sorting

@@ -50,7 +50,7 @@ pub struct Details {
     pub worst: Vec<(SampleId, Found)>,
 }
 
-impl SimBev2xTally {
+impl SimBev2xTally<4> {
     /// What pages show, with so many of the worst frames.
     #[must_use]
     pub fn details(&self, frames: usize) -> Details {
@@ -84,7 +84,7 @@ impl SimBev2xTally {
 }
 
 /// What predictions from a score on have found.
-fn of_hits(hits: &[Hit], score: Option<f64>, level: Level) -> Found {
+fn of_hits(hits: &[Hit<4>], score: Option<f64>, level: Level) -> Found {
     let mut sum = Found::default();
     let Some(score) = score else { return sum };
     for is_right in
@@ -95,7 +95,7 @@ fn of_hits(hits: &[Hit], score: Option<f64>, level: Level) -> Found {
     sum
 }
 
-fn of_class(tally: &ClassTally, name: &'static str) -> ClassDetails {
+fn of_class(tally: &ClassTally<4>, name: &'static str) -> ClassDetails {
     let mut surest = tally.hits.clone();
     // Stable: of equal scores the earlier is the surer.
     surest.sort_by(|a, b| by_score(a.score, b.score));
@@ -109,7 +109,7 @@ fn of_class(tally: &ClassTally, name: &'static str) -> ClassDetails {
     ClassDetails { name, curves, score, rings }
 }
 
-fn curve(surest: &[Hit], threshold: usize, targets: u64) -> Vec<[f64; 2]> {
+fn curve(surest: &[Hit<4>], threshold: usize, targets: u64) -> Vec<[f64; 2]> {
     let (mut right, mut points, mut step) = (0_u64, Vec::new(), -1.0);
     let mut last = None;
     for (i, hit) in surest.iter().enumerate() {
@@ -130,7 +130,7 @@ fn curve(surest: &[Hit], threshold: usize, targets: u64) -> Vec<[f64; 2]> {
 }
 
 /// The score from which on the harmonic mean of precision and recall is best, the highest of several.
-fn best_score(surest: &[Hit], targets: u64) -> Option<f64> {
+fn best_score(surest: &[Hit<4>], targets: u64) -> Option<f64> {
     let (mut right, mut best) = (0_u64, (0.0, None));
     for (i, hit) in surest.iter().enumerate() {
         right += u64::from(hit.counts[FOUND_AT].at(Level::All) == Some(true));
@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn what_is_missed_and_wrong_is_told_by_ring_and_frame() {
         // Two frames in one tally, a third in one that is put behind it.
-        let (mut tally, mut later) = (SimBev2xTally::default(), SimBev2xTally::default());
+        let (mut tally, mut later) = (SimBev2xTally::<4>::default(), SimBev2xTally::<4>::default());
         tally.begin(sample(0));
         tally.add(&[target(10.0), target(30.0)], &[prediction(10.0, 0.9), prediction(30.1, 0.8)]);
         tally.begin(sample(1));

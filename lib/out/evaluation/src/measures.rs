@@ -5,7 +5,7 @@ use crate::masks::{MASK_THRESHOLDS, MaskMode, MaskScores};
 use crate::mode::Mode;
 use crate::nuscenes::{self, NuScenesScores};
 use crate::opv2v::{self, Opv2vScores, THRESHOLDS_IOU};
-use crate::protocol::{Protocol, THRESHOLDS_M};
+use crate::protocol::{Protocol, THRESHOLDS_M, THRESHOLDS_VOLUME_IOU};
 use crate::ring::Ring;
 use crate::simbev2x::{self, SimBev2xScores};
 use crate::tally::ModeScores;
@@ -16,7 +16,7 @@ const MASK_METRICS: &str = "bev";
 /// A number of the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measure {
-    /// The family of metrics: `simbev2x`, `nuscenes`, `opv2v` or `bev`.
+    /// The family of metrics: `simbev2x`, `simbev2x-iou`, `nuscenes`, `opv2v` or `bev`.
     pub metrics: &'static str,
     /// With whom the model worked together.
     pub mode: Mode,
@@ -50,7 +50,10 @@ pub(crate) fn of_modes(modes: &[ModeScores]) -> Vec<Measure> {
     let of_mode = |scores: &ModeScores| {
         let mut all = Vec::new();
         if let Some(simbev2x) = &scores.simbev2x {
-            all.extend(of_simbev2x(simbev2x, scores.mode));
+            all.extend(of_simbev2x(simbev2x, (Protocol::SimBev2x, THRESHOLDS_M), scores.mode));
+        }
+        if let Some(simbev2x) = &scores.simbev2x_iou {
+            all.extend(of_simbev2x(simbev2x, (Protocol::SimBev2xIou, THRESHOLDS_VOLUME_IOU), scores.mode));
         }
         if let Some(nuscenes) = &scores.nuscenes {
             all.extend(of_nuscenes(nuscenes, scores.mode));
@@ -63,9 +66,13 @@ pub(crate) fn of_modes(modes: &[ModeScores]) -> Vec<Measure> {
     modes.iter().flat_map(of_mode).collect()
 }
 
-fn of_simbev2x(scores: &SimBev2xScores, mode: Mode) -> Vec<Measure> {
+fn of_simbev2x<const N: usize>(
+    scores: &SimBev2xScores<N>,
+    (protocol, thresholds): (Protocol, [f64; N]),
+    mode: Mode,
+) -> Vec<Measure> {
     let whole = Measure {
-        metrics: Protocol::SimBev2x.name(),
+        metrics: protocol.name(),
         mode,
         class: "all",
         level: "all",
@@ -84,12 +91,12 @@ fn of_simbev2x(scores: &SimBev2xScores, mode: Mode) -> Vec<Measure> {
         let whole = Measure { class: class.name, ..whole };
         for (i, level) in Level::ALL.map(Level::name).into_iter().enumerate() {
             all.push(Measure { name: "targets", level, value: class.targets[i] as f64, ..whole });
-            for (at, ap) in THRESHOLDS_M.into_iter().zip(class.ap) {
+            for (at, ap) in thresholds.into_iter().zip(class.ap) {
                 all.push(Measure { name: "AP", level, threshold: Some(at), value: ap[i], ..whole });
             }
         }
         for (i, name) in simbev2x::ERRORS.into_iter().enumerate() {
-            for (at, errors) in THRESHOLDS_M.into_iter().zip(class.errors) {
+            for (at, errors) in thresholds.into_iter().zip(class.errors) {
                 all.push(Measure { name, threshold: Some(at), value: errors[i], ..whole });
             }
         }

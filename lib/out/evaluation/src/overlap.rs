@@ -45,7 +45,28 @@ fn area(polygon: &[Point]) -> f64 {
 /// Overlap over union of two boxes from above, 0 to 1.
 #[must_use]
 pub fn bev_iou(one: &Solid, other: &Solid) -> f64 {
-    let areas = [one, other].map(|solid| solid.size_m[0] * solid.size_m[1]);
+    let (areas, common) = (areas_m2(one, other), common_area_m2(one, other));
+    common / (areas[0] + areas[1] - common)
+}
+
+/// Overlap over union of two boxes in space, 0 to 1. Both stand upright.
+#[must_use]
+pub fn volume_iou(one: &Solid, other: &Solid) -> f64 {
+    let areas = areas_m2(one, other);
+    let ends = |solid: &Solid| [-0.5, 0.5].map(|half| solid.center_m[2] + half * solid.size_m[2]);
+    let ([low_a, high_a], [low_b, high_b]) = (ends(one), ends(other));
+    let common = common_area_m2(one, other) * (high_a.min(high_b) - low_a.max(low_b)).max(0.0);
+    common / (areas[0] * one.size_m[2] + areas[1] * other.size_m[2] - common)
+}
+
+/// The areas of two boxes from above.
+fn areas_m2(one: &Solid, other: &Solid) -> [f64; 2] {
+    [one, other].map(|solid| solid.size_m[0] * solid.size_m[1])
+}
+
+/// The area that two boxes have in common from above.
+fn common_area_m2(one: &Solid, other: &Solid) -> f64 {
+    let areas = areas_m2(one, other);
     let reach = |solid: &Solid| 0.5 * (solid.size_m[0] + solid.size_m[1]);
     if one.planar_distance_m(other) > reach(one) + reach(other) {
         return 0.0;
@@ -58,8 +79,7 @@ pub fn bev_iou(one: &Solid, other: &Solid) -> f64 {
         cut(&polygon, [frame[side], frame[(side + 1) % 4]], &mut kept);
         std::mem::swap(&mut polygon, &mut kept);
     }
-    let common = area(&polygon).clamp(0.0, areas[0].min(areas[1]));
-    common / (areas[0] + areas[1] - common)
+    area(&polygon).clamp(0.0, areas[0].min(areas[1]))
 }
 
 #[cfg(test)]
@@ -100,6 +120,25 @@ mod tests {
         check(&solid(0.0, 0.0, 2.0, 2.0, 0.0), &solid(2.0, 0.0, 2.0, 2.0, 0.0), 0.0);
         check(&solid(0.0, 0.0, 2.0, 2.0, 0.0), &solid(2.0, 2.0, 2.0, 2.0, 0.0), 0.0);
         check(&one, &solid(0.0, 0.0, 4.0, 2.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn in_space_heights_count() {
+        let one =
+            Solid { center_m: [0.0, 0.0, 1.0], size_m: [4.0, 2.0, 2.0], ..solid(0.0, 0.0, 4.0, 2.0, 0.4) };
+        let at = |x: f64, z_m: f64, height_m: f64| Solid {
+            center_m: [x * math::cos(0.4), x * math::sin(0.4), z_m],
+            size_m: [4.0, 2.0, height_m],
+            ..one
+        };
+        // Half a length on and half a height up: a quarter of each. A lower one within. One above the other.
+        for (other, want) in
+            [(at(2.0, 2.0, 2.0), 4.0 / 28.0), (at(0.0, 0.5, 1.0), 0.5), (at(0.0, 3.0, 2.0), 0.0), (one, 1.0)]
+        {
+            for (a, b) in [(&one, &other), (&other, &one)] {
+                assert!((volume_iou(a, b) - want).abs() < 1e-9, "{} {want}", volume_iou(a, b));
+            }
+        }
     }
 
     #[test]

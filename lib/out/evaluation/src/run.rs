@@ -225,6 +225,10 @@ fn add_sample(
             }
             tally.simbev2x.add(&simbev2x, &found.iter().filter_map(of).collect::<Vec<_>>());
         }
+        if plan.protocols.contains(&Protocol::SimBev2xIou) {
+            let of = |found: &&FoundBox| Some(prediction(found.class.in_simbev2x()?, found));
+            tally.simbev2x_iou.add_by_overlap(&simbev2x, &found.iter().filter_map(of).collect::<Vec<_>>());
+        }
         if plan.protocols.contains(&Protocol::NuScenes) {
             let known = || found.iter().filter_map(|found| Some((found.class.in_nuscenes()?, *found)));
             let count = known().count();

@@ -1,5 +1,6 @@
 //! SimBEV2X's detection metrics: mAP by difficulty, four errors, SDS; and mAP by distance and by which agents
-//! saw the target.
+//! saw the target. Targets are found by the distance of centres (four thresholds) or by the overlap of volumes
+//! (nine): the number of thresholds tells which.
 
 use rayon::prelude::*;
 use schema::DetectionClass;
@@ -7,7 +8,8 @@ use schema::DetectionClass;
 use crate::boxes::{Prediction, SampleId, Target};
 use crate::level::{Counts, LEVELS, Level};
 use crate::matching::{Distances, by_score};
-use crate::protocol::{THRESHOLDS_M, mean_of_numbers};
+use crate::overlap::volume_iou;
+use crate::protocol::{THRESHOLDS_M, THRESHOLDS_VOLUME_IOU, mean_of_numbers};
 
 /// Names of the errors.
 pub(crate) const ERRORS: [&str; 4] = ["ATE", "AOE", "ASE", "AVE"];
@@ -27,26 +29,32 @@ fn cap(class: usize) -> usize {
 
 /// A prediction with what it found.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Hit {
+pub(crate) struct Hit<const N: usize> {
     pub(crate) score: f64,
     /// By threshold.
-    pub(crate) counts: [Counts; 4],
+    pub(crate) counts: [Counts; N],
 }
 
-#[derive(Clone, Debug, Default)]
-pub(crate) struct ClassTally {
+#[derive(Clone, Debug)]
+pub(crate) struct ClassTally<const N: usize> {
     /// By level.
     pub(crate) targets: [u64; LEVELS],
-    pub(crate) hits: Vec<Hit>,
+    pub(crate) hits: Vec<Hit<N>>,
     /// By threshold: pairs, and sums of their errors.
-    pairs: [u64; 4],
-    errors: [[f64; 4]; 4],
+    pairs: [u64; N],
+    errors: [[f64; 4]; N],
+}
+
+impl<const N: usize> Default for ClassTally<N> {
+    fn default() -> Self {
+        Self { targets: [0; LEVELS], hits: Vec::new(), pairs: [0; N], errors: [[0.0; 4]; N] }
+    }
 }
 
 /// What was found and what not, sample by sample.
 #[derive(Clone, Debug)]
-pub struct SimBev2xTally {
-    pub(crate) classes: Vec<ClassTally>,
+pub struct SimBev2xTally<const N: usize = 4> {
+    pub(crate) classes: Vec<ClassTally<N>>,
     /// Where samples begin, as far as that was said.
     pub(crate) marks: Vec<Mark>,
 }
@@ -59,13 +67,40 @@ pub(crate) struct Mark {
     pub(crate) classes: [[u64; 2]; DetectionClass::ALL.len()],
 }
 
-impl Default for SimBev2xTally {
+impl<const N: usize> Default for SimBev2xTally<N> {
     fn default() -> Self {
         Self { classes: vec![ClassTally::default(); DetectionClass::ALL.len()], marks: Vec::new() }
     }
 }
 
-impl SimBev2xTally {
+/// How predictions find targets.
+struct Finding<const N: usize> {
+    /// What is the less the nearer they are.
+    away: fn(&Prediction, &Target) -> f64,
+    /// As much as it may be, edges included.
+    up_to: [f64; N],
+}
+
+impl SimBev2xTally<4> {
+    /// Adds a sample's targets and predictions, whose classes are numbers of [`DetectionClass::ALL`], found by
+    /// the distance of their middles. Of equal scores the earlier counts as the surer, within a sample and
+    /// among samples. Velocities that are not known count as none.
+    pub fn add(&mut self, targets: &[Target], predictions: &[Prediction]) {
+        let away = |p: &Prediction, t: &Target| t.solid.distance_m(&p.solid);
+        self.add_by(targets, predictions, &Finding { away, up_to: THRESHOLDS_M });
+    }
+}
+
+impl SimBev2xTally<9> {
+    /// Adds a sample's targets and predictions likewise, found by the overlap of their volumes: the surest
+    /// first, each takes the free target that it overlaps most.
+    pub fn add_by_overlap(&mut self, targets: &[Target], predictions: &[Prediction]) {
+        let away = |p: &Prediction, t: &Target| -volume_iou(&p.solid, &t.solid);
+        self.add_by(targets, predictions, &Finding { away, up_to: THRESHOLDS_VOLUME_IOU.map(|iou| -iou) });
+    }
+}
+
+impl<const N: usize> SimBev2xTally<N> {
     /// Says which sample is added next.
     pub fn begin(&mut self, sample: SampleId) {
         self.marks.push(Mark { sample, classes: self.counts() });
@@ -83,13 +118,13 @@ impl SimBev2xTally {
     /// Adds a sample's targets and predictions, whose classes are numbers of [`DetectionClass::ALL`]. Of
     /// equal scores the earlier counts as the surer, within a sample and among samples. Velocities that are
     /// not known count as none.
-    pub fn add(&mut self, targets: &[Target], predictions: &[Prediction]) {
+    fn add_by(&mut self, targets: &[Target], predictions: &[Prediction], finding: &Finding<N>) {
         for (class, tally) in self.classes.iter_mut().enumerate() {
             let targets: Vec<&Target> = targets.iter().filter(|t| t.class == class).collect();
             let mut own: Vec<&Prediction> = predictions.iter().filter(|p| p.class == class).collect();
             own.sort_by(|a, b| by_score(a.score, b.score));
             own.truncate(cap(class));
-            tally.add(&targets, &own);
+            tally.add(&targets, &own, finding);
         }
     }
 
@@ -107,7 +142,7 @@ impl SimBev2xTally {
             for (sum, part) in class.targets.iter_mut().zip(later.targets) {
                 *sum += part;
             }
-            for i in 0..THRESHOLDS_M.len() {
+            for i in 0..N {
                 class.pairs[i] += later.pairs[i];
                 for (sum, part) in class.errors[i].iter_mut().zip(later.errors[i]) {
                     *sum += part;
@@ -118,7 +153,7 @@ impl SimBev2xTally {
 
     /// The scores of all samples.
     #[must_use]
-    pub fn scores(&self) -> SimBev2xScores {
+    pub fn scores(&self) -> SimBev2xScores<N> {
         let classes = self.classes.par_iter().enumerate();
         SimBev2xScores {
             classes: classes.map(|(i, tally)| tally.scores(DetectionClass::ALL[i].name())).collect(),
@@ -126,16 +161,16 @@ impl SimBev2xTally {
     }
 }
 
-impl ClassTally {
-    fn add(&mut self, targets: &[&Target], surest: &[&Prediction]) {
+impl<const N: usize> ClassTally<N> {
+    fn add(&mut self, targets: &[&Target], surest: &[&Prediction], finding: &Finding<N>) {
         for target in targets {
             Level::of(target).for_each(|level| self.targets[level as usize] += 1);
         }
-        let distances = Distances::new(surest, targets, |p, t| t.solid.distance_m(&p.solid));
+        let distances = Distances::new(surest, targets, |p, t| (finding.away)(p, t));
         let first = self.hits.len();
-        self.hits.extend(surest.iter().map(|p| Hit { score: p.score, counts: [Counts::wrong(p); 4] }));
-        for (at, threshold_m) in THRESHOLDS_M.into_iter().enumerate() {
-            let found = distances.assign(surest.len(), |away| away <= threshold_m);
+        self.hits.extend(surest.iter().map(|p| Hit { score: p.score, counts: [Counts::wrong(p); N] }));
+        for (at, up_to) in finding.up_to.into_iter().enumerate() {
+            let found = distances.assign(surest.len(), |away| away <= up_to);
             for (position, target) in found.into_iter().enumerate() {
                 let Some(target) = target.map(|target| targets[target]) else { continue };
                 self.hits[first + position].counts[at] = Counts::right(target);
@@ -147,12 +182,12 @@ impl ClassTally {
         }
     }
 
-    fn scores(&self, name: &'static str) -> SimBev2xClass {
+    fn scores(&self, name: &'static str) -> SimBev2xClass<N> {
         let mut order: Vec<u32> = (0..self.hits.len() as u32).collect();
         let hit = |i: u32| self.hits[i as usize];
         order.par_sort_unstable_by(|a, b| by_score(hit(*a).score, hit(*b).score).then(a.cmp(b)));
-        let surest: Vec<Hit> = order.into_iter().map(hit).collect();
-        let ap = [0, 1, 2, 3].map(|at| {
+        let surest: Vec<Hit<N>> = order.into_iter().map(hit).collect();
+        let ap = std::array::from_fn(|at| {
             Level::ALL.map(|level| {
                 let counts = surest.iter().filter_map(|hit| hit.counts[at].at(level));
                 average_precision(counts, self.targets[level as usize])
@@ -162,7 +197,7 @@ impl ClassTally {
             0 => f64::NAN,
             pairs => self.errors[at][error] / pairs as f64,
         };
-        let errors = [0, 1, 2, 3].map(|at| [0, 1, 2, 3].map(|error| mean(at, error)));
+        let errors = std::array::from_fn(|at| [0, 1, 2, 3].map(|error| mean(at, error)));
         SimBev2xClass { name, targets: self.targets, ap, errors }
     }
 }
@@ -201,31 +236,53 @@ fn average_precision(is_right: impl Iterator<Item = bool>, targets: u64) -> f64 
 
 /// The scores of a class.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SimBev2xClass {
+pub struct SimBev2xClass<const N: usize = 4> {
     /// Its name.
     pub name: &'static str,
     /// How many targets there were at each of [`Level::ALL`].
     pub targets: [u64; LEVELS],
-    /// Average precision at each of [`THRESHOLDS_M`], for the targets of each level; NaN where there are
-    /// none.
-    pub ap: [[f64; LEVELS]; 4],
-    /// ATE (m), AOE (rad), ASE, AVE (m/s) at each of [`THRESHOLDS_M`]; NaN where nothing was found.
-    pub errors: [[f64; 4]; 4],
+    /// Average precision at each threshold ([`THRESHOLDS_M`], or [`THRESHOLDS_VOLUME_IOU`]), for the targets
+    /// of each level; NaN where there are none.
+    pub ap: [[f64; LEVELS]; N],
+    /// ATE (m), AOE (rad), ASE, AVE (m/s) at each threshold; NaN where nothing was found.
+    pub errors: [[f64; 4]; N],
+}
+
+/// The first threshold that means are taken over: of overlaps 0.3, of distances the first.
+const fn first_of_means<const N: usize>() -> usize {
+    if N == THRESHOLDS_VOLUME_IOU.len() { 2 } else { 0 }
+}
+
+impl<const N: usize> SimBev2xClass<N> {
+    /// Mean average precision of the targets of a level; NaN where there are none.
+    #[must_use]
+    pub fn mean_ap(&self, level: Level) -> f64 {
+        mean_of_numbers(self.ap[first_of_means::<N>()..].iter().map(|ap| ap[level as usize]))
+    }
+
+    /// The means of the errors; NaN where nothing was found.
+    #[must_use]
+    pub fn mean_errors(&self) -> [f64; 4] {
+        [0, 1, 2, 3]
+            .map(|error| mean_of_numbers(self.errors[first_of_means::<N>()..].iter().map(|e| e[error])))
+    }
 }
 
 /// The scores of all classes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SimBev2xScores {
+pub struct SimBev2xScores<const N: usize = 4> {
     /// Class by class, in canonical order.
-    pub classes: Vec<SimBev2xClass>,
+    pub classes: Vec<SimBev2xClass<N>>,
 }
 
-impl SimBev2xScores {
+impl<const N: usize> SimBev2xScores<N> {
     /// Mean average precision of the targets of each level, over classes that have some; NaN where none has.
     #[must_use]
     pub fn mean_ap(&self) -> [f64; LEVELS] {
         Level::ALL.map(|level| {
-            let of_class = |class: &SimBev2xClass| class.ap.map(|ap| ap[level as usize]);
+            let of_class = |class: &SimBev2xClass<N>| {
+                class.ap[first_of_means::<N>()..].iter().map(|ap| ap[level as usize]).collect::<Vec<_>>()
+            };
             mean_of_numbers(self.classes.iter().flat_map(of_class))
         })
     }
@@ -234,7 +291,10 @@ impl SimBev2xScores {
     #[must_use]
     pub fn mean_errors(&self) -> [f64; 4] {
         [0, 1, 2, 3].map(|error| {
-            mean_of_numbers(self.classes.iter().flat_map(|class| class.errors.iter().map(move |e| e[error])))
+            let of_class = |class: &SimBev2xClass<N>| {
+                class.errors[first_of_means::<N>()..].iter().map(|e| e[error]).collect::<Vec<_>>()
+            };
+            mean_of_numbers(self.classes.iter().flat_map(of_class))
         })
     }
 

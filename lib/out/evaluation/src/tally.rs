@@ -18,6 +18,8 @@ pub struct ModeScores {
     pub simbev2x: Option<SimBev2xScores>,
     /// What pages show of SimBEV2X's metrics, if they and it were asked for.
     pub details: Option<Details>,
+    /// SimBEV2X's scores in its mode by overlap, likewise.
+    pub simbev2x_iou: Option<SimBev2xScores<9>>,
     /// nuScenes' scores, likewise.
     pub nuscenes: Option<NuScenesScores>,
     /// OPV2V's scores, likewise.
@@ -29,6 +31,7 @@ pub struct ModeScores {
 pub(crate) struct Tally {
     pub(crate) samples: u64,
     pub(crate) simbev2x: SimBev2xTally,
+    pub(crate) simbev2x_iou: SimBev2xTally<9>,
     pub(crate) nuscenes: NuScenesTally,
     pub(crate) opv2v: Opv2vTally,
 }
@@ -37,6 +40,7 @@ impl Tally {
     fn append(&mut self, later: Self) {
         self.samples += later.samples;
         self.simbev2x.append(later.simbev2x);
+        self.simbev2x_iou.append(later.simbev2x_iou);
         self.nuscenes.append(later.nuscenes);
         self.opv2v.append(later.opv2v);
     }
@@ -113,6 +117,7 @@ impl Part {
                 .worst_frames
                 .filter(|_| wanted.has(Protocol::SimBev2x))
                 .map(|frames| tally.simbev2x.details(frames)),
+            simbev2x_iou: wanted.has(Protocol::SimBev2xIou).then(|| tally.simbev2x_iou.scores()),
             nuscenes: wanted.has(Protocol::NuScenes).then(|| tally.nuscenes.scores(wanted.has_attributes)),
             opv2v: wanted.has(Protocol::Opv2v).then(|| tally.opv2v.scores()),
         };

@@ -1,9 +1,10 @@
-"""Writes golden/cases.json, golden/nuscenes.json, golden/simbev2x.json, golden/opv2v.json and golden/masks.json.
+"""Writes golden/cases.json, golden/nuscenes.json, golden/simbev2x.json, golden/simbev2x_iou.json, golden/opv2v.json and golden/masks.json.
 
     golden.py cases            random cases (numpy alone)
     golden.py nuscenes         their scores by nuscenes-devkit's own algorithms (1.2.0, numpy 1.26)
     golden.py simbev2x [FILE]  their scores by the implementation below, which is written from the definition of SimBEV2X's
                                metrics and shares nothing with the Rust one (numpy alone)
+    golden.py simbev2x_iou [FILE]  likewise of its mode by overlap: APs of all targets, means
     golden.py opv2v [FILE]     likewise by OPV2V's definition, all boxes as one class; overlaps by other means than ours
     golden.py masks [FILE]     random BEV masks and their scores, cell by cell (numpy alone)
     golden.py live FOLDER SEED cases.json and nuscenes.json of other random cases, into a folder
@@ -173,12 +174,48 @@ def nan_mean(values):
 
 
 def simbev2x_of(case):
+    """By the distance of centres."""
+    def nearness(guess, targets):
+        return -np.linalg.norm(targets[:, 1:4] - guess[1:4], axis=1)
+    aps, errors = simbev2x_tables(case, nearness, [-t for t in THRESHOLDS])
+    plain = lambda array: [[[clean(v) for v in row] for row in kind] for kind in array]
+    return {"ap": plain(aps), "errors": plain(errors), **simbev2x_means(aps, errors)}
+
+
+def simbev2x_iou_of(case):
+    """By the overlap of volumes; means are over 0.3 to 0.9."""
+    def nearness(guess, targets):
+        return np.array([volume_overlap(guess, target) for target in targets])
+    aps, errors = simbev2x_tables(case, nearness, [round(0.1 * i, 1) for i in range(1, 10)])
+    plain = [[clean(v) for v in kind] for kind in aps[:, :, 0]]
+    return {"ap": plain, **simbev2x_means(aps[:, 2:], errors[:, 2:])}
+
+
+def volume_overlap(a, b):
+    """From that of the areas: both boxes stand upright."""
+    areas = [a[4] * a[5], b[4] * b[5]]
+    share = overlap(a, b)
+    both = share * sum(areas) / (1 + share)
+    height = min(a[3] + a[6] / 2, b[3] + b[6] / 2) - max(a[3] - a[6] / 2, b[3] - b[6] / 2)
+    both *= max(0.0, height)
+    return both / (areas[0] * a[6] + areas[1] * b[6] - both)
+
+
+def simbev2x_means(aps, errors):
+    mean_ap = [nan_mean(aps[:, :, level]) for level in range(9)]
+    mean_errors = [nan_mean(errors[:, :, i]) for i in range(4)]
+    sds = (4 * mean_ap[0] + sum(max(0.0, 1.0 - e) for e in mean_errors if not math.isnan(e))) / 8
+    return {"mean_ap": [clean(v) for v in mean_ap], "mean_errors": [clean(v) for v in mean_errors], "sds": clean(sds)}
+
+
+def simbev2x_tables(case, nearness, thresholds):
+    """APs [class, threshold, level] and errors [class, threshold, error]; targets are found from a nearness on."""
     def table(sample):
         return np.array([[math.nan if x is None else x for x in b] for b in sample], float).reshape(-1, 12)
     truth, found = [table(s) for s in case["targets"]], [table(s) for s in case["predictions"]]
     aps, errors = [], []
     for kind in range(10):
-        for threshold in THRESHOLDS:
+        for threshold in thresholds:
             scores, owners, pairs, groups = [], [], [], []
             for targets, guesses in zip(truth, found):
                 of_kind = targets[:, 0] == kind
@@ -191,9 +228,9 @@ def simbev2x_of(case):
                 for guess, ring in zip(guesses, rings_of(guesses)):
                     scores.append(guess[10])
                     owners.append((-1, ring))
-                    away = np.where(free, np.linalg.norm(targets[:, 1:4] - guess[1:4], axis=1), np.inf)
-                    if len(away) and away.min() <= threshold:
-                        nearest = int(away.argmin())
+                    near = np.where(free, nearness(guess, targets), -np.inf)
+                    if len(near) and near.max() >= threshold:
+                        nearest = int(near.argmax())
                         free[nearest] = False
                         owners[-1] = (first + nearest, ring)
                         pairs.append((targets[nearest], guess))
@@ -217,15 +254,7 @@ def simbev2x_of(case):
                 np.linalg.norm(a[:, 1:4] - b[:, 1:4], axis=1).mean(), np.abs(turn).mean(), 1 - overlap.mean(),
                 np.linalg.norm(speed, axis=1).mean(),
             ])
-    aps, errors = np.array(aps).reshape(10, 4, 9), np.array(errors).reshape(10, 4, 4)
-    mean_ap = [nan_mean(aps[:, :, level]) for level in range(9)]
-    mean_errors = [nan_mean(errors[:, :, i]) for i in range(4)]
-    sds = (4 * mean_ap[0] + sum(max(0.0, 1.0 - e) for e in mean_errors if not math.isnan(e))) / 8
-    plain = lambda array: [[[clean(v) for v in row] for row in kind] for kind in array]
-    return {
-        "ap": plain(aps), "errors": plain(errors), "mean_ap": [clean(v) for v in mean_ap],
-        "mean_errors": [clean(v) for v in mean_errors], "sds": clean(sds),
-    }
+    return np.array(aps).reshape(10, -1, 9), np.array(errors).reshape(10, -1, 4)
 
 
 def crossing(a, b, c, d):
@@ -346,7 +375,7 @@ def main():
         write_cases(sys.argv[2], int(sys.argv[3]))
         write_nuscenes(sys.argv[2])
     else:
-        of = {"simbev2x": simbev2x_of, "opv2v": opv2v_of}
+        of = {"simbev2x": simbev2x_of, "simbev2x_iou": simbev2x_iou_of, "opv2v": opv2v_of}
         path = sys.argv[2] if len(sys.argv) > 2 else os.path.join(FOLDER, f"{what}.json")
         save(path, masks() if what == "masks" else [of[what](case) for case in load("cases.json")])
 

@@ -166,6 +166,20 @@ fn check_simbev2x(expected: &[Value]) {
     assert_eq!(numbers, 8 * (360 + 160 + 9 + 4 + 1));
 }
 
+fn check_simbev2x_iou(expected: &[Value]) {
+    let mut numbers = 0;
+    for (i, (samples, want)) in cases().into_iter().zip(expected).enumerate() {
+        let scores = tallied(&samples, SimBev2xTally::add_by_overlap, SimBev2xTally::append).scores();
+        let name = |what: &str| format!("case {i}, by overlap, {what}");
+        let of_all = scores.classes.iter().flat_map(|class| class.ap.map(|levels| levels[0]));
+        numbers += check(of_all, &want["ap"], &name("AP"));
+        numbers += check(scores.mean_ap(), &want["mean_ap"], &name("mAP"));
+        numbers += check(scores.mean_errors(), &want["mean_errors"], &name("mean errors"));
+        numbers += check([scores.sds()], &want["sds"], &name("SDS"));
+    }
+    assert_eq!(numbers, 8 * (90 + 9 + 4 + 1));
+}
+
 fn check_opv2v(expected: &[Value]) {
     let mut numbers = 0;
     for (i, (samples, want)) in cases().into_iter().zip(expected).enumerate() {
@@ -215,6 +229,7 @@ fn check_masks(expected: &[Value]) {
 #[test]
 fn scores_are_those_of_a_second_implementation() {
     check_simbev2x(&read("simbev2x.json"));
+    check_simbev2x_iou(&read("simbev2x_iou.json"));
     check_opv2v(&read("opv2v.json"));
     check_masks(&read("masks.json"));
 }
@@ -230,6 +245,7 @@ fn the_second_implementation_still_gives_them() {
         serde_json::from_slice(&std::fs::read(file).expect("reads")).expect("is a list")
     };
     check_simbev2x(&again("simbev2x"));
+    check_simbev2x_iou(&again("simbev2x_iou"));
     check_opv2v(&again("opv2v"));
     check_masks(&again("masks"));
 }
