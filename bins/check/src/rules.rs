@@ -50,7 +50,7 @@ rules! {
     BoxPoints "box points": "a return of an object lies in its box and 0.1 m around it (open doors 1.3 m further)",
     DepthLidar "depth": "depth equals lidar range within 5 cm + 0.5 %, for more than half of the returns of an object whose pixel and 8 neighbours show it",
     Flow "flow": "flow equals the motion of object and camera in the log within 0.1 pixels + 2 % for what is fixed, 1.1 pixels + 2 % for bodies of vehicles, and as far again as the vehicle has come as low as wheels are (0.85 m, lorries and buses 1.25 m); for 9 of 10 pixels of an object; not for walkers, riders, bicycles and vehicles with an open door",
-    FlowIds "flow ids": "a pixel amid its object, moved back by its flow, finds it within 1 pixel in the previous frame, or something nearer, for half of an object, which may be a fence",
+    FlowIds "flow ids": "a pixel amid its object, moved back by its flow, finds it within 1 pixel in the previous frame, or something nearer, for half of an object, which may be a fence, and a fifth of one of wires",
     VoxelPoints "voxels": "a return without noise lies in a voxel of its tag, or of one that goes before it, within 5 mm",
     VoxelFill "filling": "filled grids hold every voxel of the unfilled ones, and more only there",
     Cells "voxel rows": "lists of occupied voxels are in C order; each has a row in the files of ids and flow; its id is one of the log with the voxel's tag, and a box of that id reaches into the voxel or within 0.1 m of it (open doors 1.3 m further)",
