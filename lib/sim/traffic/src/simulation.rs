@@ -329,7 +329,7 @@ impl<'a> Simulation<'a> {
                 self.sweeps.add_wreck(vehicle);
                 0.0
             } else {
-                let touching_m = self.sweeps.gaps_m(net, vehicle);
+                let touching_m = self.sweeps.gaps_m(net, &self.vehicles, me);
                 let wish =
                     || wished_acceleration(net, occupancy, &self.vehicles, me, approach, bend_m, &touching_m);
                 match vehicle.wake() {

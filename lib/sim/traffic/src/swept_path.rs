@@ -1,6 +1,6 @@
 //! The ground that vehicles are about to sweep, corners and all: drivers stop for people and vehicles
-//! on it, also beside their lane, and for obstacles of accidents and road works; walkers who are not crossing
-//! step back from it.
+//! on it, also beside their lane, and for obstacles of accidents and road works, those of long vehicles for
+//! queues beside the lane that they turn into; walkers who are not crossing step back from it.
 
 use catalogue::trains::Train;
 use nalgebra::{Point3, Vector2, Vector3};
@@ -32,6 +32,8 @@ const WALKERS_M: f64 = 0.25;
 /// Walkers look at places so much farther than a vehicle sweeps soon, metres: half a second of the fastest,
 /// and a step.
 const MINDED_M: f64 = 6.0;
+/// Vehicles longer than this swing out over lanes beside theirs where they turn, metres.
+const LONG_M: f64 = 8.0;
 /// Side of a cell, metres: drivers look no farther, half of the longest vehicle included.
 const CELL_M: f64 = 36.0;
 /// The same for what is swept, metres: half the diagonal of the longest vehicle and a walker.
@@ -107,6 +109,28 @@ impl Tow {
         self.hitch = hitch;
         Footprint::new(middle(self.train, hitch, self.yaw_rad, 0.0), self.yaw_rad, self.train.towed.size_m)
     }
+}
+
+/// Points on the outlines of vehicles that stand on lanes beside the way of another one, within a distance: a
+/// long vehicle that turns swings out over them. They wait for those ahead of them, never for it.
+fn queues_beside<'a>(
+    net: &Net,
+    vehicles: &'a [Vehicle],
+    me: usize,
+    within_m: f64,
+) -> impl Iterator<Item = Point3<f64>> + 'a {
+    let (at, own) = (vehicles[me].motion().position(), vehicles[me].route().lane());
+    let ahead = vehicles[me].lanes_ahead(net).take_while(|(_, start)| *start < within_m);
+    let beside = ahead.flat_map(|(lane, _)| net.lanes[lane].beside.iter().flatten().map(|side| side.lane));
+    let beside: Vec<usize> = beside.filter(|lane| *lane != own).collect();
+    let queued = vehicles
+        .iter()
+        .filter(move |other| other.stands() && !other.is_crashed() && beside.contains(&other.route().lane()));
+    let near = queued.filter(move |other| {
+        let reach_m = within_m + other.half_length_m();
+        (other.motion().position() - at).norm() < reach_m
+    });
+    near.flat_map(|other| outline(other.motion().position(), other.motion().yaw_rad(), other.model().size_m))
 }
 
 /// Metres to go on, for each class of what is in the way.
@@ -208,9 +232,11 @@ impl SweptPaths {
         self.soon.push(soon);
     }
 
-    /// Metres that a vehicle can go on until it would touch a walker or something of a hazard of each class,
-    /// if there is one in its way that its driver does not overlook for long; notes what it sweeps soon.
-    pub(crate) fn gaps_m(&mut self, net: &Net, vehicle: &Vehicle) -> Gaps {
+    /// Metres that a vehicle can go on until it would touch a walker, something of a hazard or a queue beside
+    /// its way, of each class, if there is one that its driver does not overlook for long; notes what it
+    /// sweeps soon.
+    pub(crate) fn gaps_m(&mut self, net: &Net, vehicles: &[Vehicle], me: usize) -> Gaps {
+        let vehicle = &vehicles[me];
         let sees = |class: Class| !vehicle.driver().is_away(class);
         let speed = vehicle.speed_mps();
         let reach_m = (speed * speed / (2.0 * BRAKING) + REACH_M[0]).min(REACH_M[1]);
@@ -251,6 +277,10 @@ impl SweptPaths {
         let seen =
             things.filter(|(point, class)| (point - at).xy().norm() < half_m + reach_m && sees(*class));
         around.extend(seen.map(|(point, class)| (point, 0.0, class)));
+        if sees(Class::Vehicles) && vehicle.length_m() > LONG_M {
+            let queues = queues_beside(net, vehicles, me, half_m + reach_m);
+            around.extend(queues.map(|point| (point, 0.0, Class::Vehicles)));
+        }
         let mut near: Vec<&(Point3<f64>, f64, Class)> = around
             .iter()
             .filter(|(point, radius, _)| {
