@@ -28,7 +28,7 @@ settings! {
         /// Share of free frontage with trees.
         tree_density: f64 = 0.6, share();
         /// Distance between street lamps along a sidewalk, m.
-        lamp_spacing_m: f64 = 28.0, within(5.0..=1000.0);
+        lamp_spacing_m: f64 = 25.0, within(5.0..=1000.0);
         /// Share of parking spaces that are taken.
         parked_share: f64 = 0.5, share();
         /// Time of the year.

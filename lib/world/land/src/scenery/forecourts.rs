@@ -12,7 +12,7 @@ use crate::scenery::plots::is_open_to_the_street;
 use crate::scenery::site::{Site, reach_m};
 
 /// The largest distance from the sidewalk to the house, metres.
-const DEEPEST_M: f64 = 7.0;
+const DEEPEST_M: f64 = 8.0;
 /// The sidewalk's edge is so near the slab's, and the slab's middle is so near the line between its ends,
 /// metres.
 const STRAIGHT_M: f64 = 0.35;
