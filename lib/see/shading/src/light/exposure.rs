@@ -10,7 +10,7 @@ use super::math::luminance;
 const DARK_KLX: f32 = 0.002;
 /// Daylight, and what a lit street has at most, kilolux: by which power of the light things are darker on
 /// film below each.
-const DARKENS: [(f32, f32); 2] = [(100.0, 0.04), (0.1, 0.2)];
+const DARKENS: [(f32, f32); 2] = [(100.0, 0.04), (0.1, 0.35)];
 /// Electrons in a full pixel, as chips of 3 micrometres have.
 const FULL_WELL: f32 = 9000.0;
 /// Above this exposure, that of a dull day, pixels are not full any more.

@@ -171,8 +171,8 @@ impl Sky {
         self.ambient = [(up + below) * 0.5, linear[0] * 0.5, linear[1] * 0.5, (up - below) * 0.5];
 
         self.horizontal_klx = luminance(up + from_sun);
-        // A low sun lights upright surfaces.
-        self.around_klx = up + self.key_klx * self.key_direction.z.max(0.3);
+        // A low sun lights upright surfaces; cameras of cars mind the road more.
+        self.around_klx = up + self.key_klx * self.key_direction.z.max(0.15);
     }
 
     /// Sunlight that walls and ground throw back into shadows, kilolux: a fixed share.
