@@ -25,10 +25,13 @@ pub(super) fn check(bench: &Bench) {
         "--radius",
         "100",
         "--empty-boxes",
+        "--infos",
+        "mmdet3d",
     ];
     let (all, outcome) = export(bench, "nuscenes", "nuscenes-all", &all);
     outcome.expect_done();
     read_back(bench, &all, "-100");
+    check_in_python("exports/infos.py", &["numpy"], &[&all]);
     // Another version leaves nothing of the one before.
     let named = |name: &'static str, dest: &str| {
         let args = ["--no-map-mask", "--sensors", "LIDAR", "--version-name", name, "--force"];

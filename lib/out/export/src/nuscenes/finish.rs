@@ -11,6 +11,7 @@ use serde_json::json;
 use store::{Scope, keys};
 
 use super::boxes::{attribute_token, category_token};
+use super::infos;
 use super::mask::{MapElement, MapMask, merge, paint};
 use super::options::NuScenesOptions;
 use super::parts::unpack;
@@ -70,7 +71,7 @@ pub(crate) fn write(
         small_tables(version, &fragments, &masks, files)?;
         large_tables(version, &fragments, &masks, files)?;
     }
-    Ok(())
+    infos::write(fragments, &masks, options, files)
 }
 
 /// The ground of each map that the scenes use.

@@ -7,6 +7,7 @@
 //! VERSION/cooperation.json                         samples of the agents of a scene that are of the same moment
 //! samples/CHANNEL/NNNN-AGENT__CHANNEL__TIME.*      readings of samples; sweeps/ likewise, on demand
 //! lidarseg/VERSION/TOKEN_lidarseg.bin              a category for each point of LIDAR_TOP
+//! infos/mmdet3d_SPLIT.pkl                      what mmdet3d reads, and mmdet3d_0x_SPLIT.pkl; on demand
 //! maps/MAP.png                                     where one may drive, 0.1 m a pixel
 //! ```
 //!
@@ -17,9 +18,11 @@
 mod boxes;
 mod clouds;
 mod finish;
+mod infos;
 mod mask;
 mod options;
 mod parts;
+mod pickle;
 mod preflight;
 mod rig;
 mod rows;

@@ -30,6 +30,11 @@ pub struct NuScenesOptions {
     /// Leave labels of points out.
     #[arg(long = "no-lidarseg", action = ArgAction::SetFalse)]
     pub lidarseg: bool,
+    /// Write what mmdet3d reads, too: a file of samples for each split, as its versions from 1.1 on have it,
+    /// and as 0.x and BEVFusion do.
+    #[arg(long, value_name = "FORM", value_parser = ["mmdet3d"])]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub infos: Option<String>,
     /// Write blank map masks: for scenes that lie kilometres apart.
     #[arg(long = "no-map-mask", action = ArgAction::SetFalse)]
     pub map_mask: bool,
