@@ -15,7 +15,7 @@ import convoy
 PAGE = Path(__file__).resolve().parents[2] / "docs/python.md"
 PREDICTIONS = PAGE.with_name("evaluation.md")
 """Its example writes what an example of the page scores."""
-OTHERS = (PAGE.parents[1] / "README.md", PAGE.with_name("vector-maps.md"))
+OTHERS = (PAGE.parents[1] / "README.md", *(PAGE.with_name(f"{name}.md") for name in ("vector-maps", "faq", "frames")))
 """Pages whose examples stand each for itself."""
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NEEDS = {"torch": "PyTorch, for an example of docs/python.md", "PIL": "Pillow, to decode pictures"}
