@@ -15,6 +15,8 @@ import convoy
 PAGE = Path(__file__).resolve().parents[2] / "docs/python.md"
 PREDICTIONS = PAGE.with_name("evaluation.md")
 """Its example writes what an example of the page scores."""
+OTHERS = (PAGE.parents[1] / "README.md", *(PAGE.with_name(f"{name}.md") for name in ("vector-maps", "faq", "frames")))
+"""Pages whose examples stand each for itself."""
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 NEEDS = {"torch": "PyTorch, for an example of docs/python.md", "PIL": "Pillow, to decode pictures"}
 
@@ -53,6 +55,23 @@ class Page(unittest.TestCase):
                 os.chdir(here)
         if skipped:
             self.skipTest("; ".join(sorted(skipped)))
+
+    def test_examples_of_other_pages_run(self):
+        here = os.getcwd()
+        with tempfile.TemporaryDirectory() as folder:
+            Path(folder, "dataset").symlink_to(STORE)
+            os.chdir(folder)
+            try:
+                for page in OTHERS:
+                    examples = BLOCK.findall(page.read_text())
+                    self.assertTrue(examples, page)
+                    for code in examples:
+                        with contextlib.redirect_stdout(io.StringIO()) as said:
+                            exec(compile(code, str(page), "exec"), {})  # noqa: S102
+                    if page.name == "README.md":
+                        self.assertIn("vehicle_0", said.getvalue())
+            finally:
+                os.chdir(here)
 
 
 if __name__ == "__main__":

@@ -56,3 +56,8 @@ def __getattr__(name: str) -> ModuleType:
     if name in ("torch", "rerun"):
         return importlib.import_module(f"convoy.{name}")
     raise AttributeError(f"module 'convoy' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """What is ours and meant to be used: not what this file imports."""
+    return sorted([*__all__, "rerun", "torch", "__doc__", "__version__"])

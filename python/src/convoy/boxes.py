@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from collections import Counter
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import pyarrow as pa
 
 from convoy.poses import Array, transform
 
@@ -52,6 +55,10 @@ class Boxes:
     difficulty: Array
     """(N,) i64: index into `DIFFICULTIES`."""
 
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{count} {name or 'other'}" for name, count in Counter(self.class_name).most_common())
+        return f"Boxes({len(self)}: {counts})" if len(self) else "Boxes(0)"
+
     def __len__(self) -> int:
         return len(self.id)
 
@@ -70,6 +77,25 @@ class Boxes:
         """Their classes' names."""
         return [CLASSES[label] if label >= 0 else "" for label in self.label]
 
+    def to_arrow(self) -> pa.Table:
+        """A row per box: id, class, centre, size, yaw, velocity, counts of points, valid, difficulty."""
+        difficulty = [DIFFICULTIES[level] if level >= 0 else None for level in self.difficulty]
+        columns = {"id": self.id, "class": self.class_name}
+        columns |= {f"{axis}_m": self.center[:, n] for n, axis in enumerate("xyz")}
+        columns |= {f"{side}_m": self.size[:, n] for n, side in enumerate(("length", "width", "height"))}
+        columns["yaw_rad"] = self.yaw
+        columns |= {f"v{axis}_mps": self.velocity[:, n] for n, axis in enumerate("xyz")}
+        columns |= {"num_lidar_pts": self.num_lidar_pts, "num_radar_pts": self.num_radar_pts, "valid": self.valid}
+        return pa.table(columns | {"difficulty": pa.array(difficulty, pa.string())})
+
+    def to_pandas(self) -> Any:
+        """`to_arrow` as a data frame of pandas."""
+        return self.to_arrow().to_pandas()
+
+    def to_polars(self) -> Any:
+        """`to_arrow` as a data frame of Polars."""
+        return polars().from_arrow(self.to_arrow())
+
     def transformed(self, a_from_b: Array) -> Boxes:
         """The same boxes (in b) as they are in a."""
         turn = a_from_b[:3, :3]
@@ -86,3 +112,12 @@ class Boxes:
         own = np.einsum("npk,nkj->npj", points[None] - self.center[:, None], self.rotation)
         inside: Array = (np.abs(own) <= self.size[:, None] / 2 + margin_m).all(axis=2)
         return inside
+
+
+def polars() -> Any:
+    """The package Polars, which not everybody has."""
+    try:
+        import polars as package
+    except ImportError as fault:
+        raise ImportError("this needs Polars: pip install polars") from fault
+    return package

@@ -22,6 +22,10 @@ class Cooperative:
     """Vehicles, then RSUs; never the ego."""
     mode: str
 
+    def __repr__(self) -> str:
+        partners = ", ".join(agent.name for agent in self.partners) or "nobody"
+        return f"Cooperative({self.ego.name} hears {partners}, mode={self.mode!r})"
+
     @property
     def agents(self) -> tuple[Agent, ...]:
         """The ego, then its partners."""

@@ -5,12 +5,14 @@ from __future__ import annotations
 import functools
 import os
 import pathlib
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 import pyarrow as pa
 
+from convoy.boxes import polars
 from convoy.errors import StoreError
 from convoy.files import Files
 from convoy.places import place_of
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
 
 
 _ROSTER = "plan/roster.json"
+_STEP_S = 0.05
 
 
 class Dataset:
@@ -40,7 +43,8 @@ class Dataset:
         self._maps: dict[str, pa.Table] = {}
 
     def __repr__(self) -> str:
-        return f"Dataset({self.location!r})"
+        splits = ", ".join(f"{len(numbers)} {split}" for split, numbers in self.splits.items())
+        return f"Dataset({self.location!r}, scenes planned: {splits})"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Dataset, (self.location,))
@@ -132,6 +136,52 @@ class Dataset:
             self._scenes[number] = Scene(self, number)
         return self._scenes[number]
 
+    def table(self, name: str, columns: Sequence[str] | None = None) -> pa.Table:
+        """A table of all scenes that are made, one below the other (`tracks`, `boxes_valid`, `log/actors`, ...), with a first
+        column `scene`: ids of objects are only unique within a scene. A stage that is not finished for a scene is an error."""
+        if not (scenes := self.scenes()):
+            raise StoreError("no scene is made", do="`make dataset` makes what is missing", file=self.location)
+        pieces = []
+        for scene in scenes:
+            piece = scene.table(name, columns)
+            if "scene" not in piece.column_names:
+                numbers = pa.array(np.full(piece.num_rows, scene.number, np.int32))
+                piece = piece.add_column(0, pa.field("scene", pa.int32()), numbers)
+            pieces.append(piece.replace_schema_metadata(None))
+        return pa.concat_tables(pieces, promote_options="default")
+
+    def to_pandas(self, name: str, columns: Sequence[str] | None = None) -> Any:
+        """`table` as a data frame of pandas."""
+        return self.table(name, columns).to_pandas()
+
+    def to_polars(self, name: str, columns: Sequence[str] | None = None) -> Any:
+        """`table` as a data frame of Polars."""
+        return polars().from_arrow(self.table(name, columns))
+
+    def summary(self) -> str:
+        """A few lines on what is in it: scenes and minutes by split, maps, agents, sensors, boxes by class."""
+        scenes = self.scenes()
+        seconds = sum(scene.frames for scene in scenes) * _STEP_S
+        lines = [
+            f"{self.config.get('name', 'dataset')}: {len(scenes)} of {len(self._plan)} scenes made, {seconds:g} s at 20 Hz"
+        ]
+        made = {scene.number for scene in scenes}
+        splits = [f"{split} {len(made & set(numbers))}" for split, numbers in self.splits.items()]
+        lines.append(f"  splits: {', '.join(splits)}")
+        lines.append(f"  maps: {', '.join(sorted({scene.map_name for scene in scenes})) or 'none'}")
+        agents = [name for scene in scenes for name in scene.agents]
+        rsus = sum(name.startswith("rsu") for name in agents)
+        lines.append(f"  agents: {len(agents) - rsus} vehicles and {rsus} RSUs, scenes added up")
+        names = sorted({name for scene in scenes for tables in scene._sensors.values() for name in tables})
+        lines.append(f"  sensor tables: {', '.join(names) or 'none'}")
+        tracks: Counter[str] = Counter()
+        for scene in scenes:
+            if "merge-tracks" in scene.stages:
+                tracks.update(scene.table("tracks", ["class"])["class"].to_pylist())
+        counts = [f"{count} {name}" for name, count in tracks.most_common()]
+        lines.append(f"  tracks: {', '.join(counts) or 'none yet'}")
+        return "\n".join(lines)
+
     def vector_map(self, name: str) -> pa.Table:
         """A map as lines, polygons and a lane graph in the world; docs/schema.md has its columns."""
         if name not in self._maps:
@@ -158,6 +208,26 @@ class Scene:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Dataset.scene, (self.dataset, self.number))
+
+    def __len__(self) -> int:
+        return self.frames
+
+    def __iter__(self) -> Iterator[Frame]:
+        return (self.frame(number) for number in range(self.frames))
+
+    @overload
+    def __getitem__(self, which: int) -> Frame: ...
+
+    @overload
+    def __getitem__(self, which: slice) -> list[Frame]: ...
+
+    def __getitem__(self, which: int | slice) -> Frame | list[Frame]:
+        """A frame (`scene[-1]` is the last one), or some: `scene[::10]` are those at 2 Hz."""
+        if isinstance(which, slice):
+            return [self.frame(number) for number in range(self.frames)[which]]
+        if not -self.frames <= which < self.frames:
+            raise IndexError(f"frame {which} of {self!r}")
+        return self.frame(which % self.frames)
 
     @property
     def stages(self) -> set[str]:

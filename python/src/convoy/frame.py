@@ -36,6 +36,10 @@ class Bev:
     """Names of the C channels."""
     cell_m: float
 
+    def __repr__(self) -> str:
+        count, rows, columns = self.masks.shape
+        return f"Bev({count} classes, {rows} x {columns} cells of {self.cell_m:g} m)"
+
     def cell(self, points_agent: Array) -> tuple[Array, Array]:
         """Row and column of places (..., 2 or more) in the agent's frame, x ahead and y left; they may lie outside. Masks turn
         with the agent's yaw alone: on a slope give places that are turned so."""
@@ -55,6 +59,10 @@ class Occupancy:
     """(3,): the corner of cell (0, 0, 0), from the agent's origin along the agent's axes."""
     voxel_m: float
 
+    def __repr__(self) -> str:
+        shape = " x ".join(str(cells) for cells in self.tags.shape)
+        return f"Occupancy({shape} voxels of {self.voxel_m:g} m)"
+
 
 @dataclass(frozen=True)
 class Camera:
@@ -65,6 +73,10 @@ class Camera:
     """As it is in the table: JPEG (RGB) or PNG."""
     kind: str
     _agent: Agent
+
+    def __repr__(self) -> str:
+        about = self.sensor
+        return f"Camera({self.kind}-{about.name} of {self._agent.name}, {about.width} x {about.height} pixels)"
 
     @property
     def intrinsics(self) -> Array:
@@ -116,6 +128,9 @@ class Frame:
     scene: Scene
     number: int
 
+    def __repr__(self) -> str:
+        return f"Frame({self.number} of scene {self.scene.number}, {self.time_s:.2f} s, {len(self.agents)} agents)"
+
     @property
     def time_s(self) -> float:
         """Time since frame 0, s."""
@@ -151,6 +166,16 @@ class Frame:
 
         return cooperate(self, ego, mode, comm_range_m, elevation_m)
 
+    def plot_bev(
+        self, ego: str | None = None, *, radius_m: float = 60.0, lidar: str | None = "LIDAR", ax: Any = None
+    ) -> Any:
+        """Draws the frame from above by matplotlib, the ego (by default the first agent) in the middle, ahead is up: points
+        of all agents, each in its colour, map lines, and boxes by who saw them: the ego, only others, nobody. Lights and
+        signs are left out. Without points where `lidar` is None. Gives the axes."""
+        from convoy.plots import bev
+
+        return bev(self, ego, radius_m=radius_m, lidar=lidar, ax=ax)
+
     def _labels(self, table: str, columns: list[str], agent: str | None = None) -> pa.Table:
         every = self.scene.label_every_n_frames
         if self.number % every:
@@ -174,6 +199,12 @@ class Agent:
 
     frame: Frame
     name: str
+
+    def __repr__(self) -> str:
+        sensors = len(self.sensors)
+        return (
+            f"Agent({self.name}, frame {self.frame.number} of scene {self.frame.scene.number}, {sensors} sensor tables)"
+        )
 
     @property
     def id(self) -> int:
@@ -321,6 +352,13 @@ class Agent:
     def array(self, kind: str) -> Array:
         """Any other array of docs/schema.md: `bev_ids`, `occupancy_flow`, ..."""
         return self._member(kind)
+
+    def plot_cameras(self, names: list[str] | None = None, *, reach_m: float = 60.0, axes: Any = None) -> Any:
+        """Draws its colour images by matplotlib, with boxes up to `reach_m` away that it saw, and in another colour those
+        that only others saw: these are hidden from it. Gives the axes."""
+        from convoy.plots import cameras
+
+        return cameras(self, names, reach_m=reach_m, axes=axes)
 
     def fault(self, what: str, do: str, sensor: str | None = None) -> StoreError:
         """A fault at this agent and frame."""

@@ -79,6 +79,11 @@ class Sensor:
     lens: Mapping[str, Any] | None
     """Of cameras: its model and coefficients."""
 
+    def __repr__(self) -> str:
+        x, y, z = self.agent_from_sensor[:3, 3]
+        pixels = f", {self.width} x {self.height} pixels" if self.width else ""
+        return f"Sensor({self.name} at ({x:.2f}, {y:.2f}, {z:.2f}) m{pixels}, every {self.every_n_frames} frames)"
+
     @classmethod
     def parse(cls, about: Mapping[str, Any]) -> Sensor:
         """Of the JSON object under the key `sensor` in a table's metadata."""

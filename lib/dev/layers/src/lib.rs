@@ -1,5 +1,6 @@
 //! Fails where a crate depends on one that is not above it, and where files of a crate need one another in a
-//! circle: neither can be read, tested or moved without the other; and where comments are wider than code.
+//! circle: neither can be read, tested or moved without the other; where comments are wider than code; and
+//! where pages of the documentation name what is not there.
 //! All of it is tests: the last one in this file looks at the workspace.
 //!
 //! A file needs another one if it names something of it outside tests. Names that a module only hands on
@@ -9,6 +10,7 @@
 mod comments;
 mod graph;
 mod lexer;
+mod pages;
 mod paths;
 mod rooms;
 
@@ -60,6 +62,11 @@ fn check(workspace: &Path, checked: &mut Checked) -> Result<(), String> {
         }
     }
     checked.faults.extend(rooms::faults(&crates));
+    let commands = pages::Commands::read(workspace)?;
+    for page in pages::pages(workspace) {
+        let name = page.strip_prefix(workspace).unwrap_or(&page);
+        checked.faults.extend(pages::faults(workspace, name, &read(&page)?, &commands));
+    }
     Ok(())
 }
 
