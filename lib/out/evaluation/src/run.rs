@@ -1,20 +1,19 @@
 //! A file of predictions against scenes of a store.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 use scene::SceneReader;
-use schema::{AgentId, DetectionClass};
+use schema::AgentId;
 
 use crate::EvaluationError;
-use crate::boxes::{Prediction, SampleId, Solid, Target};
+use crate::boxes::{Prediction, SampleId, Target};
 use crate::details::Details;
 use crate::mode::{Mode, SeenBy};
 use crate::nuscenes::{NuScenesScores, NuScenesTally, nuscenes_class};
 use crate::opv2v::{Opv2vScores, Opv2vTally, is_opv2v_vehicle};
 use crate::predictions::{PredictionFile, PredictionRow};
 use crate::protocol::Protocol;
-use crate::simbev2x::{SimBev2xScores, SimBev2xTally};
+use crate::sample::{SceneRows, range_of};
+use crate::simbev2x::{SimBev2xScores, SimBev2xTally, canonical_class};
 use crate::targets::{Label, SceneLabels};
 
 /// As many boxes nuScenes lets a model find in a sample.
@@ -145,43 +144,22 @@ fn of_scene(
     modes: &[Mode],
     plan: &Plan<'_>,
 ) -> Result<PartialScores, EvaluationError> {
-    let (info, agents, number) = (scene.info()?, scene.agents()?, scene.scene());
-    let labelled = info.label_every_n_frames.max(1);
+    let SceneRows { number, frames, labelled, agents, mut rows } = SceneRows::read(scene, file)?;
     let every = plan.every_n_frames.unwrap_or(labelled);
     if !every.is_multiple_of(labelled) {
         return Err(EvaluationError::Refused(format!(
             "scene {number} has boxes at every {labelled}th frame: every {every}th is no multiple of that"
         )));
     }
-    let mut rows = file.rows(number)?;
-    for row in &rows {
-        let fault = |problem: String| Err(file.fault(row.row, &problem));
-        if !agents.contains(&row.agent) {
-            let there = agents.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
-            return fault(format!("scene {number} has no agent `{}`; it has {there}", row.agent));
-        }
-        if row.frame >= info.frames {
-            let last = info.frames.saturating_sub(1);
-            return fault(format!("scene {number} has no frame {}; it has frames 0 to {last}", row.frame));
-        }
-        if !schema::rate::is_due(row.frame, labelled) {
-            return fault(format!(
-                "scene {number} has no boxes at frame {}, only at every {labelled}th",
-                row.frame
-            ));
-        }
-    }
     let all = rows.len();
     rows.retain(|row| schema::rate::is_due(row.frame, every) && (plan.is_ego)(row.agent));
-    // Those of one sample and mode stay in the file's order.
-    rows.sort_by_key(|row| (row.agent, row.frame, row.mode));
     let labels = SceneLabels::read(scene, every)?;
     let egos: Vec<AgentId> = agents.into_iter().filter(|agent| (plan.is_ego)(*agent)).collect();
     let parts: Vec<_> = egos
         .par_iter()
         .map(|ego| {
             let mut part = PartialScores::new(modes.len());
-            for frame in schema::rate::due(info.frames, every) {
+            for frame in schema::rate::due(frames, every) {
                 add_sample(&mut part, (number, frame, *ego), &labels, &rows, modes, plan)?;
             }
             Ok::<PartialScores, EvaluationError>(part)
@@ -193,14 +171,6 @@ fn of_scene(
         whole.append(part?);
     }
     Ok(whole)
-}
-
-/// Rows of a sample and mode.
-fn range_of(rows: &[PredictionRow], ego: AgentId, frame: u32, mode: Mode) -> Range<usize> {
-    let key = (ego, frame, mode);
-    let start = rows.partition_point(|row| (row.agent, row.frame, row.mode) < key);
-    let length = rows[start..].iter().take_while(|row| (row.agent, row.frame, row.mode) == key).count();
-    start..start + length
 }
 
 fn add_sample(
@@ -217,22 +187,10 @@ fn add_sample(
     };
     let boxes = labels.of(frame, ego, plan.seen);
     part.samples += 1;
-    let distance_m = |solid: &Solid| {
-        let away = [0, 1].map(|axis| solid.center_m[axis] - xyz_m[axis]);
-        (away[0] * away[0] + away[1] * away[1]).sqrt()
-    };
-    let target = |class: usize, label: &Label| Target {
-        class,
-        solid: label.solid,
-        distance_m: distance_m(&label.solid),
-        difficulty: label.difficulty,
-        sighting: label.sighting,
-        attribute: label.attribute,
-    };
-    let canonical = |class: DetectionClass| DetectionClass::ALL.into_iter().position(|c| c == class);
+    let target = |class: usize, label: &Label| label.target(class, xyz_m);
     let seen = || boxes.iter().filter(|label| label.is_seen);
     let simbev2x: Vec<Target> =
-        seen().filter_map(|label| canonical(label.class).map(|class| target(class, label))).collect();
+        seen().filter_map(|label| canonical_class(label.class).map(|class| target(class, label))).collect();
     let vehicles = seen().filter(|label| label.id != own && is_opv2v_vehicle(label.class));
     let opv2v: Vec<Target> = vehicles.map(|label| target(0, label)).collect();
     let has_points = |label: &&Label| plan.seen == SeenBy::Nobody || label.points > 0;
@@ -253,13 +211,13 @@ fn add_sample(
             class,
             score: row.score,
             solid: row.solid,
-            distance_m: distance_m(&row.solid),
+            distance_m: row.solid.away_m(xyz_m),
             attribute: row.attribute,
         };
         if plan.protocols.contains(&Protocol::SimBev2x) {
             let found: Vec<Prediction> = found
                 .iter()
-                .filter_map(|row| canonical(row.class).map(|class| prediction(class, row)))
+                .filter_map(|row| canonical_class(row.class).map(|class| prediction(class, row)))
                 .collect();
             if plan.worst_frames.is_some() {
                 tally.simbev2x.begin(SampleId { scene, frame, ego });

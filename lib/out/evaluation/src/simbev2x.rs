@@ -25,6 +25,27 @@ fn cap(class: usize) -> usize {
     }
 }
 
+/// A class's number among [`DetectionClass::ALL`].
+pub(crate) fn canonical_class(class: DetectionClass) -> Option<usize> {
+    DetectionClass::ALL.into_iter().position(|c| c == class)
+}
+
+/// The predictions of a class in a sample that count: the surest first, of equal scores the earlier first, and
+/// no more than the class's cap.
+pub(crate) fn surest(class: usize, predictions: &[Prediction]) -> Vec<&Prediction> {
+    let mut own: Vec<&Prediction> = predictions.iter().filter(|p| p.class == class).collect();
+    own.sort_by(|a, b| by_score(a.score, b.score));
+    own.truncate(cap(class));
+    own
+}
+
+/// Which target each of the surest predictions finds, by threshold: in their order they choose the nearest that
+/// is free by the distance of centres in space, and find it up to the threshold.
+pub(crate) fn assigned(surest: &[&Prediction], targets: &[&Target]) -> [Vec<Option<usize>>; 4] {
+    let distances = Distances::new(surest, targets, |p, t| t.solid.distance_m(&p.solid));
+    THRESHOLDS_M.map(|threshold_m| distances.assign(surest.len(), |away| away <= threshold_m))
+}
+
 /// A prediction with what it found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hit {
@@ -86,10 +107,7 @@ impl SimBev2xTally {
     pub fn add(&mut self, targets: &[Target], predictions: &[Prediction]) {
         for (class, tally) in self.classes.iter_mut().enumerate() {
             let targets: Vec<&Target> = targets.iter().filter(|t| t.class == class).collect();
-            let mut own: Vec<&Prediction> = predictions.iter().filter(|p| p.class == class).collect();
-            own.sort_by(|a, b| by_score(a.score, b.score));
-            own.truncate(cap(class));
-            tally.add(&targets, &own);
+            tally.add(&targets, &surest(class, predictions));
         }
     }
 
@@ -131,11 +149,9 @@ impl ClassTally {
         for target in targets {
             Level::of(target).for_each(|level| self.targets[level as usize] += 1);
         }
-        let distances = Distances::new(surest, targets, |p, t| t.solid.distance_m(&p.solid));
         let first = self.hits.len();
         self.hits.extend(surest.iter().map(|p| Hit { score: p.score, counts: [Counts::wrong(p); 4] }));
-        for (at, threshold_m) in THRESHOLDS_M.into_iter().enumerate() {
-            let found = distances.assign(surest.len(), |away| away <= threshold_m);
+        for (at, found) in assigned(surest, targets).into_iter().enumerate() {
             for (position, target) in found.into_iter().enumerate() {
                 let Some(target) = target.map(|target| targets[target]) else { continue };
                 self.hits[first + position].counts[at] = Counts::right(target);

@@ -10,7 +10,7 @@ use schema::{ActorKind, AgentId, Attributes, DetectionClass, Difficulty, nuscene
 use store::{RowGroups, keys};
 
 use crate::EvaluationError;
-use crate::boxes::{Sighting, Solid};
+use crate::boxes::{Sighting, Solid, Target};
 use crate::mode::SeenBy;
 use crate::predictions::number_of_attribute;
 
@@ -54,6 +54,20 @@ pub(crate) struct Label {
     pub(crate) sighting: Sighting,
     /// nuScenes' attribute: a number of [`schema::NUSCENES_ATTRIBUTES`].
     pub(crate) attribute: Option<u8>,
+}
+
+impl Label {
+    /// The box as a target of an ego that is somewhere; `class` is a number of the metric.
+    pub(crate) fn target(&self, class: usize, ego_m: [f64; 3]) -> Target {
+        Target {
+            class,
+            solid: self.solid,
+            distance_m: self.solid.away_m(ego_m),
+            difficulty: self.difficulty,
+            sighting: self.sighting,
+            attribute: self.attribute,
+        }
+    }
 }
 
 /// The lists of all agents of a scene at some frames.
