@@ -30,7 +30,12 @@ pub struct Solid {
 impl Solid {
     /// Distance of the middles in the plane, m.
     pub(crate) fn planar_distance_m(&self, other: &Self) -> f64 {
-        let away = [0, 1].map(|axis| self.center_m[axis] - other.center_m[axis]);
+        self.away_m(other.center_m)
+    }
+
+    /// How far the middle is from a place in the plane, m.
+    pub(crate) fn away_m(&self, from_m: [f64; 3]) -> f64 {
+        let away = [0, 1].map(|axis| self.center_m[axis] - from_m[axis]);
         (away[0] * away[0] + away[1] * away[1]).sqrt()
     }
 

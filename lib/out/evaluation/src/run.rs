@@ -1,7 +1,5 @@
 //! A file of predictions against scenes of a store.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 use scene::SceneReader;
 use schema::AgentId;
@@ -14,6 +12,7 @@ use crate::mode::{Mode, SeenBy};
 use crate::predictions::{FoundBox, PredictionFile, PredictionRow};
 use crate::protocol::Protocol;
 use crate::result::Evaluation;
+use crate::sample::{SceneRows, range_of};
 use crate::samples::Samples;
 use crate::tally::{Part, Wanted};
 use crate::targets::{Label, SceneLabels};
@@ -92,30 +91,11 @@ fn of_scene(
     modes: &[Mode],
     plan: &Plan<'_>,
 ) -> Result<Part, EvaluationError> {
-    let (info, agents, number) = (scene.info()?, scene.agents()?, scene.scene());
-    let labelled = info.label_every_n_frames.max(1);
+    let SceneRows { number, frames, labelled, agents, mut rows } = SceneRows::read(scene, file)?;
     if let Some(every) = plan.every_n_frames.filter(|every| !every.is_multiple_of(labelled)) {
         return Err(EvaluationError::Refused(format!(
             "scene {number} has boxes at every {labelled}th frame: every {every}th is no multiple of that"
         )));
-    }
-    let mut rows = file.rows(number)?;
-    for row in &rows {
-        let fault = |problem: String| Err(file.fault(row.row, &problem));
-        if !agents.contains(&row.agent) {
-            let there = agents.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
-            return fault(format!("scene {number} has no agent `{}`; it has {there}", row.agent));
-        }
-        if row.frame >= info.frames {
-            let last = info.frames.saturating_sub(1);
-            return fault(format!("scene {number} has no frame {}; it has frames 0 to {last}", row.frame));
-        }
-        if !schema::rate::is_due(row.frame, labelled) {
-            return fault(format!(
-                "scene {number} has no boxes at frame {}, only at every {labelled}th",
-                row.frame
-            ));
-        }
     }
     let all = rows.len();
     rows.retain(|row| (plan.is_ego)(row.agent));
@@ -123,12 +103,10 @@ fn of_scene(
         Some(every) => {
             rows.retain(|row| schema::rate::is_due(row.frame, every));
             let egos: Vec<AgentId> = agents.into_iter().filter(|agent| (plan.is_ego)(*agent)).collect();
-            Samples::every(every, info.frames, &egos)
+            Samples::every(every, frames, &egos)
         }
         None => Samples::named(&rows),
     };
-    // Those of one sample and mode stay in the file's order.
-    rows.sort_by_key(|row| (row.agent, row.frame, row.mode));
     let mut whole = Part::new(modes.len());
     whole.counts.left_out = (all - rows.len()) as u64;
     (whole.counts.without_boxes, whole.counts.between) = (samples.without_boxes, samples.between);
@@ -150,14 +128,6 @@ fn of_scene(
     Ok(whole)
 }
 
-/// Rows of a sample and mode.
-fn range_of(rows: &[PredictionRow], ego: AgentId, frame: u32, mode: Mode) -> Range<usize> {
-    let key = (ego, frame, mode);
-    let start = rows.partition_point(|row| (row.agent, row.frame, row.mode) < key);
-    let length = rows[start..].iter().take_while(|row| (row.agent, row.frame, row.mode) == key).count();
-    start..start + length
-}
-
 fn add_sample(
     part: &mut Part,
     (scene, frame, ego): (u32, u32, AgentId),
@@ -174,18 +144,7 @@ fn add_sample(
     let boxes: Vec<Label> =
         labels.of(frame, ego, plan.seen).into_iter().filter(|label| counts(&label.solid)).collect();
     part.counts.samples += 1;
-    let distance_m = |solid: &Solid| {
-        let away = [0, 1].map(|axis| solid.center_m[axis] - pose.xyz_m[axis]);
-        (away[0] * away[0] + away[1] * away[1]).sqrt()
-    };
-    let target = |class: usize, label: &Label| Target {
-        class,
-        solid: label.solid,
-        distance_m: distance_m(&label.solid),
-        difficulty: label.difficulty,
-        sighting: label.sighting,
-        attribute: label.attribute,
-    };
+    let target = |class: usize, label: &Label| label.target(class, pose.xyz_m);
     let seen = || boxes.iter().filter(|label| label.is_seen);
     let simbev2x: Vec<Target> =
         seen().filter_map(|label| Some(target(label.class.in_simbev2x()?, label))).collect();
@@ -213,7 +172,7 @@ fn add_sample(
             class,
             score: found.score,
             solid: found.solid,
-            distance_m: distance_m(&found.solid),
+            distance_m: found.solid.away_m(pose.xyz_m),
             attribute: found
                 .attribute
                 .or_else(|| attribute::by_speed(found).filter(|_| plan.attributes_by_speed)),

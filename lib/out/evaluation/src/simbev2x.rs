@@ -27,6 +27,15 @@ fn cap(class: usize) -> usize {
     }
 }
 
+/// The predictions of a class in a sample that count: the surest first, of equal scores the earlier first, and
+/// no more than the class's cap.
+pub(crate) fn surest(class: usize, predictions: &[Prediction]) -> Vec<&Prediction> {
+    let mut own: Vec<&Prediction> = predictions.iter().filter(|p| p.class == class).collect();
+    own.sort_by(|a, b| by_score(a.score, b.score));
+    own.truncate(cap(class));
+    own
+}
+
 /// A prediction with what it found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hit<const N: usize> {
@@ -74,20 +83,32 @@ impl<const N: usize> Default for SimBev2xTally<N> {
 }
 
 /// How predictions find targets.
-struct Finding<const N: usize> {
+pub(crate) struct Finding<const N: usize> {
     /// What is the less the nearer they are.
     away: fn(&Prediction, &Target) -> f64,
     /// As much as it may be, edges included.
     up_to: [f64; N],
 }
 
+impl<const N: usize> Finding<N> {
+    /// Which target each of the surest predictions finds, by threshold: in their order they choose the nearest
+    /// that is free, and find it up to the threshold.
+    pub(crate) fn assigned(&self, surest: &[&Prediction], targets: &[&Target]) -> [Vec<Option<usize>>; N] {
+        let distances = Distances::new(surest, targets, |p, t| (self.away)(p, t));
+        self.up_to.map(|up_to| distances.assign(surest.len(), |away| away <= up_to))
+    }
+}
+
+/// By the distance of centres in space.
+pub(crate) const BY_DISTANCE: Finding<4> =
+    Finding { away: |p, t| t.solid.distance_m(&p.solid), up_to: THRESHOLDS_M };
+
 impl SimBev2xTally<4> {
     /// Adds a sample's targets and predictions, whose classes are numbers of [`DetectionClass::ALL`], found by
     /// the distance of their middles. Of equal scores the earlier counts as the surer, within a sample and
     /// among samples. Velocities that are not known count as none.
     pub fn add(&mut self, targets: &[Target], predictions: &[Prediction]) {
-        let away = |p: &Prediction, t: &Target| t.solid.distance_m(&p.solid);
-        self.add_by(targets, predictions, &Finding { away, up_to: THRESHOLDS_M });
+        self.add_by(targets, predictions, &BY_DISTANCE);
     }
 }
 
@@ -121,10 +142,7 @@ impl<const N: usize> SimBev2xTally<N> {
     fn add_by(&mut self, targets: &[Target], predictions: &[Prediction], finding: &Finding<N>) {
         for (class, tally) in self.classes.iter_mut().enumerate() {
             let targets: Vec<&Target> = targets.iter().filter(|t| t.class == class).collect();
-            let mut own: Vec<&Prediction> = predictions.iter().filter(|p| p.class == class).collect();
-            own.sort_by(|a, b| by_score(a.score, b.score));
-            own.truncate(cap(class));
-            tally.add(&targets, &own, finding);
+            tally.add(&targets, &surest(class, predictions), finding);
         }
     }
 
@@ -166,11 +184,9 @@ impl<const N: usize> ClassTally<N> {
         for target in targets {
             Level::of(target).for_each(|level| self.targets[level as usize] += 1);
         }
-        let distances = Distances::new(surest, targets, |p, t| (finding.away)(p, t));
         let first = self.hits.len();
         self.hits.extend(surest.iter().map(|p| Hit { score: p.score, counts: [Counts::wrong(p); N] }));
-        for (at, up_to) in finding.up_to.into_iter().enumerate() {
-            let found = distances.assign(surest.len(), |away| away <= up_to);
+        for (at, found) in finding.assigned(surest, targets).into_iter().enumerate() {
             for (position, target) in found.into_iter().enumerate() {
                 let Some(target) = target.map(|target| targets[target]) else { continue };
                 self.hits[first + position].counts[at] = Counts::right(target);

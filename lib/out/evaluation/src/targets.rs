@@ -11,7 +11,7 @@ use store::{RowGroups, keys};
 
 use crate::EvaluationError;
 use crate::attribute::number_of_attribute;
-use crate::boxes::{Sighting, Solid, yaw_of};
+use crate::boxes::{Sighting, Solid, Target, yaw_of};
 use crate::class::BoxClass;
 use crate::mode::SeenBy;
 
@@ -55,6 +55,20 @@ pub(crate) struct Label {
     pub(crate) sighting: Sighting,
     /// nuScenes' attribute: a number of [`schema::NUSCENES_ATTRIBUTES`].
     pub(crate) attribute: Option<u8>,
+}
+
+impl Label {
+    /// The box as a target of an ego that is somewhere; `class` is a number of the metric.
+    pub(crate) fn target(&self, class: usize, ego_m: [f64; 3]) -> Target {
+        Target {
+            class,
+            solid: self.solid,
+            distance_m: self.solid.away_m(ego_m),
+            difficulty: self.difficulty,
+            sighting: self.sighting,
+            attribute: self.attribute,
+        }
+    }
 }
 
 /// Where an agent is.
