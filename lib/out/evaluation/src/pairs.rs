@@ -8,6 +8,7 @@ use crate::boxes::{Prediction, Solid, Target};
 use crate::mode::{Mode, SeenBy};
 use crate::predictions::{FoundBox, PredictionFile};
 use crate::sample::{SceneRows, range_of};
+use crate::samples::greatest_common_divisor;
 use crate::simbev2x::{BY_DISTANCE, surest};
 use crate::targets::SceneLabels;
 
@@ -114,10 +115,6 @@ fn paired(targets: &[(u16, Target)], predictions: &[Prediction]) -> Vec<Paired> 
         }));
     }
     pairs
-}
-
-fn greatest_common_divisor(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
 #[cfg(test)]

@@ -53,15 +53,16 @@ impl Samples {
 fn between(own: &BTreeSet<u32>, all: &BTreeMap<AgentId, BTreeSet<u32>>) -> u64 {
     let every: BTreeSet<u32> = all.values().flatten().copied().collect();
     let (Some(first), Some(last)) = (every.first(), every.last()) else { return 0 };
-    let step = every.iter().fold(0, |step, frame| greatest_divisor(step, frame - first));
+    let step = every.iter().fold(0, |step, frame| greatest_common_divisor(step, frame - first));
     if step == 0 {
         return 0;
     }
     u64::from((last - first) / step) + 1 - own.len() as u64
 }
 
-fn greatest_divisor(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { greatest_divisor(b, a % b) }
+/// Of two numbers; 0 divides none.
+pub(crate) fn greatest_common_divisor(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
 
 #[cfg(test)]
