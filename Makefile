@@ -51,9 +51,25 @@ SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
 AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels scale bench-stores test-slurm test-stores test-ray test-kubernetes faults gpus gpu-kit docs help
+.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels scale bench-stores test-slurm test-stores test-ray test-kubernetes faults gpus gpu-kit release release-check docs help help-all
 
+# What people use, and all there is.
 help:
+	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [DEVICE=cpu|gpu|NAME]    (all that is missing or stale)"
+	@echo "make forecast      what a configuration comes to: scenes, frames, bytes, time, and what is still to do"
+	@echo "make status        a table of scenes and stages [WHY='3 bev-gt']"
+	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
+	@echo "make view          plays a store in the browser [STORE=dataset]"
+	@echo "make preview       a frame on one sheet [SCENE=0] [FRAME=40] [AGENT=vehicle_0]"
+	@echo "make film          a scene as an agent sees it"
+	@echo "make export FORMAT=kitti|mcap|nuscenes|opv2v|v2x-real|simbev2x DEST=folder"
+	@echo "make evaluate PREDICTIONS=file.parquet"
+	@echo "make verify        hashes every shard again; make check holds labels against each other"
+	@echo "make release       bundle and wheel (docs/install.md)"
+	@echo "make test, lint    what CI runs"
+	@echo "make help-all      every target with its variables"
+
+help-all:
 	@echo "make dataset [CONFIG=configs/demo.toml] [STORE=folder] [MAPS=folder] [JOBS=n] [DEVICE=cpu|gpu|NAME] [REDO=1] [ACCEPT_CODE=1] [GROW=1] [STRICT=1]    (STORE: dataset for the demo, else the configuration's name)"
 	@echo "make forecast                      (same arguments: scenes, frames, bytes and hours to expect)"
 	@echo "make stage STAGE=render-sensors [SCENES=3,7-9] [FORCE=1]"
@@ -74,6 +90,7 @@ help:
 	@echo "make film [STORE=dataset] [SCENE=0] [AGENT=vehicle_0] [EVERY=2] [OUT=film.png]     (and .mp4 with an ffmpeg)"
 	@echo "make gpus                           (which GPUs there are, and whether they could be used: docs/gpu.md)"
 	@echo "make test | lint | bench | docs     (for developers)"
+	@echo "make release [DIST=dist] | release-check [DIST=dist] [ROOTS='folder ...'] [NATIVE=program]    (docs/install.md)"
 
 build:
 	$(CARGO) build --release --locked --workspace --bins
@@ -82,9 +99,9 @@ build:
 dataset: build
 	$(BIN)/convoy run $(COMMON) $(MAPS_ARG) $(DEVICE_ARG) $(THREADS_ARG) $(SCENES_ARG) $(EDITION_ARG) $(REDO_ARG) $(FORCE_ARG) $(STRICT_ARG)
 
-# What the plan would come to: scenes, agent-frames, bytes, hours. Writes nothing.
+# What the plan would come to: scenes, agent-frames, bytes, time, and what of it is still to do. Writes nothing.
 forecast: build
-	$(BIN)/spawn-planner $(COMMON) $(MAPS_ARG) $(EDITION_ARG) $(STRICT_ARG) --dry-run
+	$(BIN)/convoy forecast $(COMMON) $(MAPS_ARG) $(EDITION_ARG) $(STRICT_ARG)
 
 # One stage for some scenes.
 stage: build
@@ -229,6 +246,14 @@ gpus:
 # A folder with all that tries a GPU on a machine that has nothing but its driver: make gpu-kit [KIT=gpu-kit].
 gpu-kit:
 	lib/see/gpu/kit/build.sh $(or $(KIT),gpu-kit)
+
+# Bundle, wheel, list of contents and sums in DIST; needs no network but for packages by their names (docs/install.md).
+release:
+	release/build.sh $(or $(DIST),dist)
+
+# Installs both where there is no Rust, makes the demo and opens it: make release-check [ROOTS="folder ..."] [NATIVE=program].
+release-check:
+	ROOTS='$(ROOTS)' NATIVE='$(NATIVE)' CONVOY_PYTHON=$(PYTHON) release/check.sh $(or $(DIST),dist)
 
 # A dataset by two nodes of Slurm on this machine, one of which is lost (docs/clusters.md).
 test-slurm: build

@@ -1,5 +1,6 @@
 //! Tests across stages, on the real programs, and of the generated pages.
 
+mod all;
 mod buckets;
 mod builds;
 mod check;

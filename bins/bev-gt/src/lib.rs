@@ -3,6 +3,9 @@
 mod masks;
 mod sources;
 
+use std::ffi::OsString;
+use std::process::ExitCode;
+
 use labels::bev_map::LaneCollector;
 use replay::Replay;
 use runner::frames::label_agents;
@@ -14,8 +17,14 @@ use settings::stages::MaskSettings;
 use masks::{Masks, Rule};
 use sources::{AgentLanes, SceneAreas, footprints};
 
+/// The program: its words in, of which the first is its name as it was typed, its exit code out.
+#[must_use]
+pub fn program(words: Vec<OsString>) -> ExitCode {
+    arguments::stage::run(words, STAGE, build_stamp::STAMP)
+}
+
 /// The stage.
-pub const STAGE: Stage<MaskSettings> = Stage::new(run);
+const STAGE: Stage<MaskSettings> = Stage::new(run);
 
 fn run(job: &mut Job<'_, MaskSettings>) -> Result<(), StageError> {
     let MaskSettings { bev: settings, warmup_s } = job.settings().clone();

@@ -1,5 +1,5 @@
 //! Draws bird's-eye-view masks from the log.
 
 fn main() -> std::process::ExitCode {
-    arguments::stage::run(bev_gt::STAGE, build_stamp::STAMP)
+    bev_gt::program(std::env::args_os().collect())
 }

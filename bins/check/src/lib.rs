@@ -18,10 +18,12 @@ mod space;
 mod vector_map;
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
-use clap::Args;
+use clap::{Args, Parser};
 use rayon::prelude::*;
 use schema::FORMAT_VERSION;
 
@@ -50,6 +52,21 @@ pub struct CheckArgs {
     /// Worker threads; as many as there are cores by default.
     #[arg(long, value_name = "N")]
     threads: Option<usize>,
+}
+
+/// Checks the labels of a finished store against each other, from its files alone; exit code 1 when something
+/// is wrong.
+#[derive(Debug, Parser)]
+#[command(name = "check", version)]
+struct Program {
+    #[command(flatten)]
+    check: CheckArgs,
+}
+
+/// The program: its words in, of which the first is its name as it was typed, its exit code out.
+#[must_use]
+pub fn program(words: Vec<OsString>) -> ExitCode {
+    ExitCode::from(run(&Program::parse_from(words).check))
 }
 
 /// Checks a store and prints the report; the exit code: 1 when something is wrong, 2 when there is no such

@@ -1,10 +1,10 @@
 //! Programs of their own that `convoy` starts: what is behind their name is theirs.
 
 use std::ffi::OsString;
-use std::process::Command;
+use std::os::unix::process::CommandExt;
 
 use clap::{CommandFactory, Subcommand};
-use runner::{EXIT_SOME_FAILED, EXIT_USAGE};
+use runner::{EXIT_SOME_FAILED, EXIT_USAGE, Graph};
 
 /// Programs beside this one.
 #[derive(Debug, Subcommand)]
@@ -48,25 +48,36 @@ pub(crate) fn explained(convoy: clap::Command) -> clap::Command {
 
 /// Runs a program to its end; its exit code.
 pub(crate) fn run(command: ProgramCommand) -> u8 {
-    let (name, first, Rest { arguments }) = match command {
-        ProgramCommand::Export(rest) => ("export", None, rest),
-        ProgramCommand::Import(rest) => ("import", None, rest),
-        ProgramCommand::Evaluate(rest) => ("evaluate", None, rest),
-        ProgramCommand::Viz(rest) => ("viz", None, rest),
-        ProgramCommand::Preview(rest) => ("viz", Some("preview"), rest),
-        ProgramCommand::Film(rest) => ("viz", Some("film"), rest),
+    let (program, command, Rest { arguments }) = match command {
+        ProgramCommand::Export(rest) => ("export", "export", rest),
+        ProgramCommand::Import(rest) => ("import", "import", rest),
+        ProgramCommand::Evaluate(rest) => ("evaluate", "evaluate", rest),
+        ProgramCommand::Viz(rest) => ("viz", "viz", rest),
+        ProgramCommand::Preview(rest) => ("viz", "preview", rest),
+        ProgramCommand::Film(rest) => ("viz", "film", rest),
     };
-    let beside = std::env::current_exe().ok().and_then(|exe| Some(exe.parent()?.join(name)));
-    let program = beside.unwrap_or_else(|| name.into());
+    hand_over(program, command, &arguments)
+}
+
+/// Runs a stage where the first word names one (`convoy bev-gt` is `bev-gt`); its exit code.
+pub(crate) fn run_stage(words: &[OsString]) -> Option<u8> {
+    let (_, words) = words.split_first()?;
+    let (first, rest) = words.split_first()?;
+    let stage = Graph::get().stage(first.to_str()?)?;
+    runner::init_logging();
+    Some(hand_over(stage.name, stage.name, rest))
+}
+
+/// Runs a program that calls itself by the command that was typed.
+fn hand_over(program: &str, typed: &str, arguments: &[OsString]) -> u8 {
     // A signal reaches the program, too, and it is the one to answer.
     runner::listen_for_signals();
-    match Command::new(&program).args(first).args(arguments).status() {
+    let status = runner::program_beside(program)
+        .and_then(|mut command| command.arg0(format!("convoy {typed}")).args(arguments).status());
+    match status {
         Ok(status) => status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(EXIT_SOME_FAILED),
         Err(e) => {
-            tracing::error!(
-                "{}: cannot be started: {e} (build all programs: cargo build --release)",
-                program.display()
-            );
+            tracing::error!("{program}: cannot be started: {e} (build all programs: cargo build --release)");
             EXIT_USAGE
         }
     }

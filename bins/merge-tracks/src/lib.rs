@@ -1,6 +1,8 @@
 //! The merging stage: one list of unique objects per frame, tracks over the scene.
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::process::ExitCode;
 
 use runner::{At, Job, Stage, StageError};
 use scene::SceneReader;
@@ -9,8 +11,14 @@ use schema::{ActorKind, ObjectId};
 use settings::TrackSettings;
 use store::keys;
 
+/// The program: its words in, of which the first is its name as it was typed, its exit code out.
+#[must_use]
+pub fn program(words: Vec<OsString>) -> ExitCode {
+    arguments::stage::run(words, STAGE, build_stamp::STAMP)
+}
+
 /// The stage.
-pub const STAGE: Stage<TrackSettings> = Stage::new(run);
+const STAGE: Stage<TrackSettings> = Stage::new(run);
 
 fn run(job: &mut Job<'_, TrackSettings>) -> Result<(), StageError> {
     let (number, place, settings) = (job.scene(), job.place(), job.settings().clone());

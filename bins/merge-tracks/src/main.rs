@@ -1,5 +1,5 @@
 //! Merges the boxes of all agents and makes tracks.
 
 fn main() -> std::process::ExitCode {
-    arguments::stage::run(merge_tracks::STAGE, build_stamp::STAMP)
+    merge_tracks::program(std::env::args_os().collect())
 }

@@ -1,5 +1,8 @@
 //! The occupancy stage: a voxel grid around every agent at every frame.
 
+use std::ffi::OsString;
+use std::process::ExitCode;
+
 use codecs::Scalar;
 use labels::voxel_grid::{Filling, VoxelGrid, add_cells};
 use labels::voxels::{CpuVoxelRenderer, GridPlacement, Wanted};
@@ -13,8 +16,14 @@ use schema::measures::counts::PartialCounts;
 use schema::{AgentId, ObjectId, Tag};
 use settings::{OccupancySettings, PerAgent};
 
+/// The program: its words in, of which the first is its name as it was typed, its exit code out.
+#[must_use]
+pub fn program(words: Vec<OsString>) -> ExitCode {
+    arguments::stage::run(words, STAGE, build_stamp::STAMP)
+}
+
 /// The stage.
-pub const STAGE: Stage<GridSettings> = Stage::new(run);
+const STAGE: Stage<GridSettings> = Stage::new(run);
 /// What it sees of the configuration: the grid of each agent.
 type GridSettings = PerAgent<OccupancySettings>;
 

@@ -1,5 +1,5 @@
 //! Makes voxel grids from the log.
 
 fn main() -> std::process::ExitCode {
-    arguments::stage::run(occupancy_gt::STAGE, build_stamp::STAMP)
+    occupancy_gt::program(std::env::args_os().collect())
 }

@@ -7,6 +7,9 @@ mod filling;
 mod observing;
 mod sightings;
 
+use std::ffi::OsString;
+use std::process::ExitCode;
+
 use frames::{Agent, Pose, World};
 use labels::validity::{Evidence, PixelCounts};
 use rayon::prelude::*;
@@ -22,8 +25,14 @@ use store::keys;
 use crate::clouds::Clouds;
 use crate::error::InputError;
 
+/// The program: its words in, of which the first is its name as it was typed, its exit code out.
+#[must_use]
+pub fn program(words: Vec<OsString>) -> ExitCode {
+    arguments::stage::run(words, STAGE, build_stamp::STAMP)
+}
+
 /// The stage.
-pub const STAGE: Stage<ValiditySettings> = Stage::new(run);
+const STAGE: Stage<ValiditySettings> = Stage::new(run);
 
 fn run(job: &mut Job<'_, ValiditySettings>) -> Result<(), StageError> {
     let (settings, place) = (job.settings().clone(), job.place());

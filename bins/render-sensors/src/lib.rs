@@ -3,9 +3,12 @@
 
 mod agent;
 mod due;
+mod probe;
 mod recorder;
 
 use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::process::ExitCode;
 
 use device::{Choice, Device, Work};
 use render::Renderer;
@@ -19,8 +22,14 @@ use settings::stages::SensorSettings;
 use crate::agent::{AgentRig, Renderers, SIGHT_M, StaticWorld};
 use crate::due::{AgentTables, has_colour};
 
+/// The program: its words in, of which the first is its name as it was typed, its exit code out.
+#[must_use]
+pub fn program(words: Vec<OsString>) -> ExitCode {
+    probe::answer(&words).unwrap_or_else(|| arguments::stage::run(words, STAGE, build_stamp::STAMP))
+}
+
 /// The stage.
-pub const STAGE: Stage<SensorSettings> = Stage { open: Some(open), ..Stage::new(run) };
+const STAGE: Stage<SensorSettings> = Stage { open: Some(open), ..Stage::new(run) };
 
 /// Opens the device that looks at all scenes; its name, if it is a GPU.
 fn open(outlook: &Outlook<'_, SensorSettings>) -> Result<Option<String>, StageError> {

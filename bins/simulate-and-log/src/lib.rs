@@ -10,7 +10,9 @@ mod plan;
 mod signals;
 mod world;
 
+use std::ffi::OsString;
 use std::ops::ControlFlow;
+use std::process::ExitCode;
 
 use catalogue::Catalogue;
 use random::Stream;
@@ -28,8 +30,14 @@ use crate::labels::Labels;
 use crate::plan::ScenePlan;
 use crate::world::{Nearby, SceneTiles, failed};
 
+/// The program: its words in, of which the first is its name as it was typed, its exit code out.
+#[must_use]
+pub fn program(words: Vec<OsString>) -> ExitCode {
+    arguments::stage::run(words, STAGE, build_stamp::STAMP)
+}
+
 /// The stage.
-pub const STAGE: Stage<SimulationSettings> = Stage::new(run);
+const STAGE: Stage<SimulationSettings> = Stage::new(run);
 
 /// Looks that moving actors of one model share among them (clothes, skin, hair): each is a mesh of its own.
 const VARIANTS: u32 = meshes::people::APPEARANCES;

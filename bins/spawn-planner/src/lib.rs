@@ -8,7 +8,9 @@ mod trajectory_file;
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::path::Path;
+use std::process::ExitCode;
 
 use catalogue::Catalogue;
 use packs::PackModel;
@@ -26,8 +28,14 @@ use store::{SceneKind, Scope, Store, StoreError, keys};
 use crate::error::RosterError;
 use crate::maps::MapSource;
 
+/// The program: its words in, of which the first is its name as it was typed, its exit code out.
+#[must_use]
+pub fn program(words: Vec<OsString>) -> ExitCode {
+    arguments::stage::run(words, STAGE, build_stamp::STAMP)
+}
+
 /// The stage.
-pub const STAGE: Stage<PlanSettings> = Stage {
+const STAGE: Stage<PlanSettings> = Stage {
     run,
     sources: |settings, folder| {
         let mut all = maps::digests(settings, folder);

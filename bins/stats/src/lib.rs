@@ -4,6 +4,8 @@
 mod cards;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
+use std::process::ExitCode;
 
 use analysis::{
     DatasetFacts, GroupTotals, MadeBy, MeasureTotals, PUBLISHED_PAGE, SceneCard, compute_tables,
@@ -23,8 +25,14 @@ const AT_ONCE: usize = 64;
 /// The dataset's card, where people and sites that keep datasets look for it.
 const CARD: &str = "README.md";
 
+/// The program: its words in, of which the first is its name as it was typed, its exit code out.
+#[must_use]
+pub fn program(words: Vec<OsString>) -> ExitCode {
+    arguments::stage::run(words, STAGE, build_stamp::STAMP)
+}
+
 /// The stage.
-pub const STAGE: Stage<StatisticsSettings> = Stage::new(run);
+const STAGE: Stage<StatisticsSettings> = Stage::new(run);
 
 fn run(job: &mut Job<'_, StatisticsSettings>) -> Result<(), StageError> {
     let store = job.store().clone();

@@ -1,5 +1,5 @@
 //! Adds up the partial counts into tables, figures and a report.
 
 fn main() -> std::process::ExitCode {
-    arguments::stage::run(stats::STAGE, build_stamp::STAMP)
+    stats::program(std::env::args_os().collect())
 }

@@ -16,10 +16,12 @@ mod paths;
 mod server;
 mod site;
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
-use clap::Args;
+use clap::{Args, Parser};
 
 use embed::Excerpt;
 use error::{ViewError, of_place};
@@ -58,6 +60,21 @@ pub struct ViewArgs {
     /// Cameras whose pictures it has, with commas between them.
     #[arg(long, value_name = "LIST", requires = "embed", value_delimiter = ',')]
     cameras: Vec<String>,
+}
+
+/// Shows a store in the browser: opens a page on this machine that plays its scenes. Nothing is written,
+/// nothing leaves the machine.
+#[derive(Debug, Parser)]
+#[command(name = "view", version)]
+struct Program {
+    #[command(flatten)]
+    view: ViewArgs,
+}
+
+/// The program: its words in, of which the first is its name as it was typed, its exit code out.
+#[must_use]
+pub fn program(words: Vec<OsString>) -> ExitCode {
+    ExitCode::from(run(&Program::parse_from(words).view))
 }
 
 /// Shows the store until the program is stopped, or writes an excerpt; the exit code.

@@ -17,6 +17,7 @@ fn git(root: &Path, arguments: &[&str]) -> Option<String> {
 fn main() -> std::io::Result<()> {
     let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../../..");
     println!("cargo:rerun-if-env-changed=CONVOY_COMMIT");
+    println!("cargo:rerun-if-env-changed=CONVOY_COMMIT_DATE");
     for source in SOURCES {
         println!("cargo:rerun-if-changed={}", root.join(source).display());
     }
@@ -32,8 +33,11 @@ fn main() -> std::io::Result<()> {
         git(&root, &status).is_some_and(|changes| changes.is_empty())
     };
     let is_committed = named.is_some() || (commit.is_some() && is_unchanged());
+    let named_date = std::env::var("CONVOY_COMMIT_DATE").ok();
+    let of_commit = |commit: &String| git(&root, &["show", "--no-patch", "--format=%cs", commit]);
+    let date = named_date.or_else(|| commit.as_ref().and_then(of_commit)).unwrap_or_default();
     let sign = if is_committed { '+' } else { '-' };
-    let stamp = format!("\0convoy-build-stamp\0{:<64.64}{sign}", commit.unwrap_or_default());
+    let stamp = format!("\0convoy-build-stamp\0{:<64.64}{sign}{date:<10.10}", commit.unwrap_or_default());
     let out = PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());
     std::fs::write(out.join("stamp"), stamp)
 }

@@ -1,5 +1,6 @@
 //! What the `convoy` program does with stores: all stages in order, the status table, verification.
 
+mod forecast;
 mod member;
 mod merge;
 mod mixed;
@@ -17,9 +18,9 @@ use std::time::Duration;
 use clap::Subcommand;
 use runner::{Programs, STAMP_LEN, SceneList, Suspicious};
 
+use self::forecast::ForecastArgs;
 use self::replanning::Replanning;
-use self::run::RunArgs;
-pub(crate) use self::run::{run_program, stage_program};
+pub(crate) use self::run::{RunArgs, run as run_stages, run_program, stage_program};
 use self::status::Told;
 
 /// Commands of the `convoy` program that concern a store.
@@ -27,6 +28,9 @@ use self::status::Told;
 pub(crate) enum StoreCommand {
     /// Runs everything that is missing or stale, in order.
     Run(RunArgs),
+    /// Says what a configuration comes to: scenes, frames, bytes and time, and how much of it is still to do.
+    /// Writes nothing.
+    Forecast(ForecastArgs),
     /// Prints a table of scenes and stages: done, stale, failed, missing.
     Status {
         /// Dataset configuration (TOML, or YAML of SimBEV2X); without one, that which the store was planned
@@ -103,6 +107,7 @@ pub(crate) enum StoreCommand {
 pub(crate) fn drive(command: StoreCommand, stamp: &[u8; STAMP_LEN]) -> u8 {
     match command {
         StoreCommand::Run(args) => run::run(&args, stamp),
+        StoreCommand::Forecast(args) => forecast::forecast(&args, stamp),
         StoreCommand::Status { config, store, maps, scenes, why, grow, edition, strict, json, watch } => {
             let programs = Programs::of_build(stamp, None);
             let (config, maps) = (config.as_deref(), maps.as_deref());

@@ -20,18 +20,18 @@ const LOOK_EVERY: Duration = Duration::from_millis(200);
 const MOST_FAILURES: usize = 10;
 
 /// A store at one moment.
-struct Standing {
+pub(super) struct Standing {
     plan: State,
     /// Of each scene the states of its stages, in running order.
-    scenes: BTreeMap<u32, Vec<State>>,
+    pub(super) scenes: BTreeMap<u32, Vec<State>>,
     stats: Vec<(&'static str, State)>,
     /// Estimated work, seconds of one core: what is done, and what is left.
     done_s: f64,
-    left_s: f64,
+    pub(super) left_s: f64,
 }
 
 impl Standing {
-    fn of(status: &Status<'_>) -> Result<Self, StageError> {
+    pub(super) fn of(status: &Status<'_>) -> Result<Self, StageError> {
         let plan = status.state(Graph::get().planner(), Scope::Plan)?;
         let mut scenes = BTreeMap::new();
         let overview = runner::overview(status, |scene, states| {
@@ -48,6 +48,18 @@ impl Standing {
         }
         let stats = overview.stats.into_iter().map(|(stage, state)| (stage.name, state)).collect();
         Ok(Self { plan, scenes, stats, done_s, left_s })
+    }
+
+    /// How many scenes have something left to do.
+    pub(super) fn scenes_left(&self) -> usize {
+        let is_left = |states: &&Vec<State>| states.iter().any(|state| *state != State::Done);
+        self.scenes.values().filter(is_left).count()
+    }
+
+    /// What share of the work is left.
+    pub(super) fn share_left(&self) -> f64 {
+        let all_s = self.done_s + self.left_s;
+        if all_s > 0.0 { self.left_s / all_s } else { 0.0 }
     }
 
     fn all_done(&self) -> bool {
@@ -93,8 +105,7 @@ impl Standing {
             lines.push(format!("{:<20} {done:>7} {missing:>8} {stale:>7} {failed:>7}", stage.name));
         }
         lines.extend(self.stats.iter().map(|(name, state)| format!("{name}: {state}")));
-        let all_s = self.done_s + self.left_s;
-        let share = if all_s > 0.0 { 100.0 * self.done_s / all_s } else { 100.0 };
+        let share = 100.0 * (1.0 - self.share_left());
         let left = match rate {
             Some(rate) if rate > 0.0 && self.left_s > 0.0 => {
                 let left = Duration::try_from_secs_f64(self.left_s / rate).unwrap_or(Duration::MAX);

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 use std::path::Path;
-use std::process::Command;
 
 use runner::Graph;
 
@@ -46,8 +45,8 @@ impl Replanning {
     /// Lines for people on what would be made again and added, and whether the plan stands. None where the
     /// planner cannot say it: then it has said why.
     pub(crate) fn lines(&self) -> Option<(Vec<String>, bool)> {
-        let beside = std::env::current_exe().ok()?.parent()?.join(Graph::get().planner().name);
-        let outcome = Command::new(beside).args(&self.arguments).output().ok()?;
+        let mut planner = runner::program_beside(Graph::get().planner().name).ok()?;
+        let outcome = planner.args(&self.arguments).output().ok()?;
         if !outcome.status.success() {
             // What is only suspicious, a run says.
             let _ = std::io::stderr().write_all(&outcome.stderr);

@@ -18,8 +18,8 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 /// What `convoy run` takes.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RunArgs {
-    /// Dataset configuration (TOML, or YAML of SimBEV2X). Where the planner is not among the stages, the
-    /// store's own will do.
+    /// Dataset configuration (TOML, or YAML of SimBEV2X), or the name of one that comes with this program
+    /// (`convoy config list`). Where the planner is not among the stages, the store's own will do.
     #[arg(long, value_name = "FILE", required_unless_present = "stages")]
     config: Option<PathBuf>,
     /// The store: a folder, or s3://BUCKET/FOLDER (az://, gs://).
@@ -105,6 +105,33 @@ impl std::str::FromStr for StageList {
 }
 
 impl RunArgs {
+    /// A whole dataset with nothing out of the ordinary.
+    pub(crate) fn of_dataset(
+        config: PathBuf,
+        store: PathBuf,
+        device: DeviceArgs,
+        (threads, progress): (Option<usize>, Progress),
+    ) -> Self {
+        Self {
+            config: Some(config),
+            store,
+            maps: None,
+            stages: None,
+            scenes: None,
+            shard: None,
+            grow: false,
+            edition: None,
+            redo: false,
+            strict: false,
+            force: false,
+            accept_code: false,
+            device,
+            threads,
+            dry_run: false,
+            progress,
+        }
+    }
+
     /// The stages that are meant.
     fn stages(&self) -> Vec<&'static StageSpec> {
         match &self.stages {
@@ -325,13 +352,10 @@ fn device_is_there(device: &DeviceArgs) -> Result<(), u8> {
 
 /// A stage's program, which lies beside this one; the exit code if nobody knows where that is.
 pub(crate) fn stage_program(name: &str) -> Result<Command, u8> {
-    match std::env::current_exe() {
-        Ok(exe) => Ok(Command::new(exe.with_file_name(name))),
-        Err(e) => {
-            tracing::error!("cannot find the stage programs: {e}");
-            Err(EXIT_SOME_FAILED)
-        }
-    }
+    runner::program_beside(name).map_err(|e| {
+        tracing::error!("cannot find the stage programs: {e}");
+        EXIT_SOME_FAILED
+    })
 }
 
 /// Runs a stage program to its end and returns its exit code, or that of what goes wrong, which is said. A

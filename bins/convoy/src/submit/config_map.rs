@@ -48,8 +48,7 @@ impl ConfigMap {
     /// One cannot be read or handed over.
     pub(super) fn read(config: &Path) -> Result<Self, ConfigMapError> {
         let read = |path: &Path| {
-            std::fs::read_to_string(path)
-                .map_err(|source| ConfigMapError::Read { path: path.to_owned(), source })
+            settings::text_at(path).map_err(|source| ConfigMapError::Read { path: path.to_owned(), source })
         };
         let named = settings::rigs_named_in(config)
             .map_err(|source| ConfigMapError::Read { path: config.to_owned(), source })?;

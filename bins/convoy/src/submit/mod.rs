@@ -117,7 +117,12 @@ fn scripts(
     tasks: u32,
 ) -> Result<Vec<(String, String)>, StageError> {
     let this_program = std::env::current_exe().map_err(StageError::usage)?;
-    let (config, maps) = (absolute(&args.config)?, args.maps.as_deref().map(absolute).transpose()?);
+    // What comes with the programs has its name everywhere.
+    let config = match settings::Shipped::at(&args.config) {
+        Some(_) => args.config.clone(),
+        None => absolute(&args.config)?,
+    };
+    let maps = args.maps.as_deref().map(absolute).transpose()?;
     let (cores, memory_gib) = (args.cores, memory_gib(args));
     let (store, folder) = (store.to_owned(), folder.to_owned());
     if args.engine == Engine::Ray {

@@ -7,20 +7,30 @@ use std::path::Path;
 use crate::dataset::{DatasetSettings, read};
 use crate::document::{Fault, Source, line_of, texts_of};
 use crate::reader::with_documents;
+use crate::shipped::text_at;
 use crate::suspicions::{self, Suspicion};
 use crate::{rig_keys, yaml};
 
-/// Reads a configuration file, and what in it is suspicious: keys that ask for something in vain, or for
-/// something that is hardly meant. Files whose names end in `.yaml` or `.yml` are read as SimBEV2X
+/// Reads a configuration file, or one that comes with the programs by its name, and what in it is suspicious:
+/// keys that ask for something in vain, or for something that is hardly meant. Files whose names end in `.yaml` or `.yml` are read as SimBEV2X
 /// configurations.
 ///
 /// # Errors
 /// All faults of the file, with line numbers.
 pub fn load(path: &Path) -> Result<(DatasetSettings, Vec<Fault>), Vec<Fault>> {
     let file = path.display().to_string();
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| vec![Fault { file: file.clone(), line: None, message: format!("cannot read: {e}") }])?;
+    let text = text_at(path).map_err(|e| {
+        vec![Fault { file: file.clone(), line: None, message: format!("cannot read: {e}{}", hint(path)) }]
+    })?;
     if is_yaml(path) { parse_yaml(&text, &file) } else { parse_whole(&text, &file, false) }
+}
+
+/// What else a path without an ending may have been meant as.
+fn hint(path: &Path) -> &'static str {
+    match path.extension() {
+        Some(_) => "",
+        None => " (and none of this name comes with the programs: `convoy config list`)",
+    }
 }
 
 fn is_yaml(path: &Path) -> bool {
@@ -31,7 +41,7 @@ fn is_yaml(path: &Path) -> bool {
 /// with the line of each key, or of the table that it would stand in.
 #[must_use]
 pub fn suspicions_in(path: &Path, found: &[Suspicion]) -> Vec<Fault> {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let text = text_at(path).unwrap_or_default();
     let file = path.display().to_string();
     let translated = if is_yaml(path) { yaml::translate(&text, &file).ok() } else { None };
     let line = |key: &str| match &translated {
@@ -50,7 +60,7 @@ pub fn rigs_named_in(path: &Path) -> std::io::Result<BTreeSet<String>> {
     // SimBEV2X's configurations name none.
     let mut named = match is_yaml(path) {
         true => BTreeSet::new(),
-        false => texts_of(&std::fs::read_to_string(path)?, rig_keys::FILE_KEY),
+        false => texts_of(&text_at(path)?, rig_keys::FILE_KEY),
     };
     named.remove("");
     Ok(named)

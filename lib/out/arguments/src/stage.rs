@@ -1,11 +1,13 @@
 //! The command line that all stages share.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, ValueEnum};
 use runner::{EditionWish, ProgressMode, STAMP_LEN, SceneList, Shard, Stage, StageOptions, StageSettings};
 
+use crate::about;
 use crate::device::DeviceArgs;
 
 /// A stage of Convoy's pipeline: does what is missing or stale, for all scenes of the plan or for some.
@@ -17,7 +19,8 @@ use crate::device::DeviceArgs;
                   again)."
 )]
 pub struct StageArgs {
-    /// Dataset configuration (TOML, or YAML of SimBEV2X). All stages but the planner do without: the store
+    /// Dataset configuration (TOML, or YAML of SimBEV2X), or the name of one that comes with the programs
+    /// (`convoy config list`). All stages but the planner do without: the store
     /// has the one that it was planned by.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
@@ -162,12 +165,13 @@ pub fn edition_wish(grow: bool, edition: Option<u32>) -> EditionWish {
     }
 }
 
-/// Runs a stage program: its command line in, its exit code out. `stamp` is the build's
+/// Runs a stage program: its words in, of which the first is its name, its exit code out. `stamp` is the build's
 /// (`build_stamp::STAMP`).
 #[must_use]
-pub fn run<S: StageSettings>(stage: Stage<S>, stamp: &[u8; STAMP_LEN]) -> ExitCode {
-    let command = StageArgs::command().name(S::STAGE);
+pub fn run<S: StageSettings>(words: Vec<OsString>, stage: Stage<S>, stamp: &[u8; STAMP_LEN]) -> ExitCode {
+    let command = StageArgs::command().name(S::STAGE).version(runner::release(stamp));
+    let command = command.about(about::of_stage(S::STAGE)).long_about(None);
     // What `get_matches` lets pass has all arguments; else clap's own message ends the program.
-    let args = StageArgs::from_arg_matches(&command.get_matches()).unwrap_or_else(|e| e.exit());
+    let args = StageArgs::from_arg_matches(&command.get_matches_from(words)).unwrap_or_else(|e| e.exit());
     runner::run_stage(stage, &args.into(), stamp)
 }

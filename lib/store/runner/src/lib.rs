@@ -5,6 +5,7 @@
 //! failures kept apart, and turns the outcome into an exit code.
 
 mod agreement;
+mod beside;
 mod code_version;
 mod costs;
 mod editions;
@@ -19,6 +20,7 @@ mod lock;
 mod options;
 mod output_file;
 mod overview;
+mod pace;
 mod prepared;
 mod programs;
 mod progress;
@@ -37,6 +39,7 @@ mod task;
 mod views;
 mod why;
 
+pub use beside::{declare_all_programs, name_of, program_beside};
 pub use code_version::code_version;
 pub use editions::{
     EditionError, EditionWish, Editions, newest_recorded, record_of_group, recorded as recorded_editions,
@@ -51,7 +54,7 @@ pub use options::{DeviceOptions, ProgressMode, SceneList, Shard, StageOptions};
 pub use output_file::OutputFile;
 pub use overview::{Overview, overview};
 pub use prepared::Prepared;
-pub use programs::{Programs, STAMP_LEN};
+pub use programs::{Programs, STAMP_LEN, release};
 pub use progress::Progress;
 pub use runner::{init_logging, run_stage, say};
 pub use seen::{IsRead, MadeFrom, StageSettings, ViewError};

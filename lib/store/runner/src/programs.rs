@@ -1,31 +1,33 @@
 //! Which build made what: its commit, and digests that tell edited programs from one another.
 
 use std::collections::BTreeMap;
-use std::env::consts::EXE_SUFFIX;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use memchr::memmem;
 use store::MadeBy;
 
+use crate::beside::{file_of, is_all_programs};
 use crate::graph::{Graph, stated_versions};
 
 /// The stamp that a build writes into its programs: a name, the commit (spaces where there is none), `+` for
-/// a build of just this commit.
+/// a build of just this commit, its date (spaces where nobody knows it).
 const STAMP_NAME: &[u8] = b"\0convoy-build-stamp\0";
 const COMMIT_LEN: usize = 64;
+const DATE_LEN: usize = 10;
 /// Bytes of a stamp.
-pub const STAMP_LEN: usize = STAMP_NAME.len() + COMMIT_LEN + 1;
+pub const STAMP_LEN: usize = STAMP_NAME.len() + COMMIT_LEN + 1 + DATE_LEN;
 /// The header of the note in which linkers write a digest of an ELF file, stamp included.
 const BUILD_ID_NAME: &[u8] = b"\x04\0\0\0\x14\0\0\0\x03\0\0\0GNU\0";
 const BUILD_ID_LEN: usize = 20;
 
-/// The programs of this build: those beside the one that runs.
+/// The programs of this build: those beside the one that runs, or that one alone where it is all of them.
 #[derive(Debug)]
 pub struct Programs {
     commit: Option<String>,
-    folder: Option<PathBuf>,
-    /// Digests by stage, each found once; none where there is no such program.
+    this: Option<PathBuf>,
+    /// Digests by stage, each found once (and once for all where one file is all of them); none where there
+    /// is no such program.
     digests: Mutex<BTreeMap<String, Option<String>>>,
 }
 
@@ -34,28 +36,25 @@ impl Programs {
     /// file is read at once, before a newer build can take its place.
     #[must_use]
     pub fn of_build(stamp: &[u8; STAMP_LEN], stage: Option<&str>) -> Self {
-        // Optimised code must not know the stamp: programs of two commits differ in its bytes alone.
-        let stamp = std::hint::black_box(stamp);
-        let (commit, is_committed) = stamp[STAMP_NAME.len()..].split_at(COMMIT_LEN);
-        let commit = (is_committed == b"+").then(|| String::from_utf8_lossy(commit).trim().to_owned());
+        let Stamped { commit, is_committed, .. } = Stamped::of(stamp);
+        let commit = is_committed.then_some(commit);
         let this = std::env::current_exe().ok();
-        let own = stage.map(|stage| (stage.to_owned(), this.as_deref().and_then(digest_of)));
-        let folder = this.as_deref().and_then(Path::parent).map(Path::to_owned);
-        Self { commit, folder, digests: Mutex::new(own.into_iter().collect()) }
+        let own = stage.map(|stage| (key_of(stage), this.as_deref().and_then(digest_of)));
+        Self { commit, this, digests: Mutex::new(own.into_iter().collect()) }
     }
 
     /// Programs of given digests by stage, for tests; none of a commit where that is `None`.
     #[cfg(test)]
     pub(crate) fn given(commit: Option<&str>, digests: &[(&str, &str)]) -> Self {
         let digests = digests.iter().map(|(stage, digest)| ((*stage).to_owned(), Some((*digest).to_owned())));
-        Self { commit: commit.map(str::to_owned), folder: None, digests: Mutex::new(digests.collect()) }
+        Self { commit: commit.map(str::to_owned), this: None, digests: Mutex::new(digests.collect()) }
     }
 
     /// Digest of a stage's program; none where there is no such program.
     pub(crate) fn digest(&self, stage: &str) -> Option<String> {
         let mut digests = self.digests.lock().unwrap_or_else(PoisonError::into_inner);
-        let find = || digest_of(&self.folder.as_deref()?.join(format!("{stage}{EXE_SUFFIX}")));
-        digests.entry(stage.to_owned()).or_insert_with(find).clone()
+        let find = || digest_of(&file_of(self.this.as_deref()?, stage));
+        digests.entry(key_of(stage)).or_insert_with(find).clone()
     }
 
     /// What manifests of a stage say of this build.
@@ -85,6 +84,47 @@ fn versions() -> BTreeMap<String, String> {
     stated_versions().iter().map(|(stage, version)| ((*stage).to_owned(), version.to_string())).collect()
 }
 
+/// What a stamp says.
+struct Stamped {
+    /// Empty where there was no repository.
+    commit: String,
+    is_committed: bool,
+    /// Empty where nobody knows it.
+    date: String,
+}
+
+impl Stamped {
+    fn of(stamp: &[u8; STAMP_LEN]) -> Self {
+        // Optimised code must not know the stamp: programs of two commits differ in its bytes alone.
+        let stamp = std::hint::black_box(stamp);
+        let (commit, rest) = stamp[STAMP_NAME.len()..].split_at(COMMIT_LEN);
+        let (sign, date) = rest.split_at(1);
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim().to_owned();
+        Self { commit: text(commit), is_committed: sign == b"+", date: text(date) }
+    }
+
+    /// Release, commit and date, as `0.1.0 (0e49c38c9f12, 2026-11-30)`.
+    fn line(&self) -> String {
+        let Self { commit, is_committed, date } = self;
+        let commit = commit.get(..12).unwrap_or(commit);
+        let commit = if *is_committed { commit.to_owned() } else { format!("{commit} with changes") };
+        let facts: Vec<&str> = [commit.trim(), date].into_iter().filter(|fact| !fact.is_empty()).collect();
+        format!("{} ({})", env!("CARGO_PKG_VERSION"), facts.join(", "))
+    }
+}
+
+/// What `--version` says of a build, by its stamp: release, commit and date.
+#[must_use]
+pub fn release(stamp: &[u8; STAMP_LEN]) -> &'static str {
+    static LINE: OnceLock<String> = OnceLock::new();
+    LINE.get_or_init(|| Stamped::of(stamp).line())
+}
+
+/// By what the digest of a stage's program is kept.
+fn key_of(stage: &str) -> String {
+    if is_all_programs() { "all".to_owned() } else { stage.to_owned() }
+}
+
 /// BLAKE3 of a program's file without its stamp and the linker's digest of the file, or none when it cannot
 /// be read.
 fn digest_of(program: &Path) -> Option<String> {
@@ -97,8 +137,11 @@ fn digest_of(program: &Path) -> Option<String> {
 
 /// Whether bytes are what a stamp holds after its name (programs have the name alone, too).
 fn is_commit(bytes: &[u8]) -> bool {
-    let (commit, sign) = bytes.split_at(COMMIT_LEN);
-    commit.iter().all(|byte| byte.is_ascii_hexdigit() || *byte == b' ') && matches!(sign, b"+" | b"-")
+    let (commit, rest) = bytes.split_at(COMMIT_LEN);
+    let (sign, date) = rest.split_at(1);
+    commit.iter().all(|byte| byte.is_ascii_hexdigit() || *byte == b' ')
+        && matches!(sign, b"+" | b"-")
+        && date.iter().all(|byte| byte.is_ascii_digit() || matches!(byte, b' ' | b'-'))
 }
 
 /// Sets the bytes after each place of a name to zero, where they are of a kind.
@@ -123,7 +166,7 @@ mod tests {
             std::fs::write(&file, parts.concat()).expect("writes");
             digest_of(&file).expect("reads")
         };
-        let (ours, theirs) = (format!("{:<64}+", "ab12"), format!("{:<64}-", "cd34"));
+        let (ours, theirs) = (format!("{:<64}+2026-11-30", "ab12"), format!("{:<64}-{:<10}", "cd34", ""));
         let (ours, theirs) = (ours.as_bytes(), theirs.as_bytes());
         let (id, other_id) = ([1; BUILD_ID_LEN], [2; BUILD_ID_LEN]);
         let first = digest("first", &[b"code\0\0", BUILD_ID_NAME, &id, STAMP_NAME, ours, b"data"]);
@@ -134,6 +177,17 @@ mod tests {
         assert_eq!(digest_of(&folder.path().join("none")), None);
         // A file that ends within a stamp.
         digest("short", &[STAMP_NAME, b"a"]);
+    }
+
+    #[test]
+    fn releases_say_commit_and_date() {
+        let line = |commit: &str, is_committed, date: &str| {
+            let line = Stamped { commit: commit.to_owned(), is_committed, date: date.to_owned() }.line();
+            line.strip_prefix(env!("CARGO_PKG_VERSION")).expect("begins with the release").to_owned()
+        };
+        assert_eq!(line("0123456789abcdef", true, "2026-11-30"), " (0123456789ab, 2026-11-30)");
+        assert_eq!(line("0123456789abcdef", false, "2026-11-30"), " (0123456789ab with changes, 2026-11-30)");
+        assert_eq!(line("", false, ""), " (with changes)");
     }
 
     #[test]

@@ -18,6 +18,7 @@ use crate::error::StageError;
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::imported::is_imported;
 use crate::options::{DeviceOptions, ProgressMode, Shard, StageOptions};
+use crate::pace::Pace;
 use crate::prepared::Prepared;
 use crate::programs::{Programs, STAMP_LEN};
 use crate::progress::Progress;
@@ -273,12 +274,16 @@ impl<S: StageSettings> Run<'_, S> {
     fn all(&self, looked: &[Looked]) -> Result<u8, StageError> {
         let start = Instant::now();
         let (mut done, mut kept, mut failed) = (0, 0, 0);
+        let is_made = |of_scope: &&Looked| of_scope.state != State::Done || self.force;
+        let mut pace = Pace::of(looked.iter().filter(is_made).count());
         for Looked { scope, state, is_untidy } in looked {
             let scope = *scope;
             let made = if *state == State::Done && !self.force {
                 self.keep(scope, *is_untidy).map(|()| false)
             } else {
-                self.one(scope)
+                let made = self.one(scope, pace);
+                pace.step();
+                made
             };
             match made {
                 Ok(true) => done += 1,
@@ -357,7 +362,7 @@ impl<S: StageSettings> Run<'_, S> {
     }
 
     /// Runs one scope. `false`: there was nothing to do.
-    fn one(&self, scope: Scope) -> Result<bool, StageError> {
+    fn one(&self, scope: Scope, pace: Pace) -> Result<bool, StageError> {
         let (sources, status) = (self.sources(), self.status().by_code(self.code()));
         let survey = status.survey(scope);
         // Somebody else may have made it since.
@@ -390,7 +395,7 @@ impl<S: StageSettings> Run<'_, S> {
             inputs: ready.parts.into_iter().filter_map(manifest_of).collect(),
             scenes: ready.scenes,
             attempt,
-            progress: Progress::start(self.progress, self.label(scope), 0),
+            progress: Progress::of_piece(self.progress, self.label(scope), 0, pace),
         };
         // A panic is a bug of ours; it must not take the other scenes with it.
         let outcome = catch_unwind(AssertUnwindSafe(|| (self.stage.run)(&mut job)));

@@ -323,7 +323,8 @@ pub fn lines(editions: &Editions, plan: &Planned<'_>, machine: Machine) -> Vec<S
 }
 
 /// Seconds as an amount of a fitting unit.
-pub(crate) fn span(seconds: f64) -> (String, &'static str) {
+#[must_use]
+pub fn span(seconds: f64) -> (String, &'static str) {
     match seconds {
         s if s < 90.0 => (format!("{s:.0}"), "s"),
         s if s < 5400.0 => (format!("{:.0}", s / 60.0), "minutes"),

@@ -166,14 +166,14 @@ fn what_is_not_ready_is_no_failure() {
     simulated(&store, &settings);
     store.backend().remove(&SCENES[1].manifest("simulate-and-log")).expect("removes");
     let run = run_of(&settings, &store, |job| write(job, 10));
-    let error = run.one(SCENES[1]).expect_err("has no log");
+    let error = run.one(SCENES[1], Pace::of(1)).expect_err("has no log");
     assert_eq!(error.report(), "simulate-and-log is missing: run that first");
     assert_eq!(all(&run).expect("goes on"), EXIT_SOME_FAILED);
     assert_eq!(states(&run), [State::Done, State::Missing, State::Done]);
     // A log that failed is told once, with its own reason.
     let failure = Failure { code_version: "x".into(), reason: "no driving lanes".into() };
     store.write_json(&SCENES[1].failure("simulate-and-log"), "simulate-and-log", &failure).expect("writes");
-    let error = run.one(SCENES[1]).expect_err("has no log");
+    let error = run.one(SCENES[1], Pace::of(1)).expect_err("has no log");
     assert_eq!(error.report(), "simulate-and-log failed (no driving lanes): run that first");
 }
 
