@@ -3,33 +3,46 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use evaluation::PredictionFile;
 use serde_json::Value;
 use store::{Backend, Store, keys};
 
 use crate::error::{ViewError, of_place};
 use crate::object::Object;
-use crate::paths;
+use crate::{paths, predictions};
 
 /// A store that is shown.
 pub(crate) struct Site {
     store: Store,
     /// Its folder, all links followed; none in a bucket.
     root: Option<PathBuf>,
+    /// What a model found in it.
+    predictions: Option<PredictionFile>,
 }
 
 impl Site {
-    /// Opens a store.
+    /// Opens a store, and a file of predictions for it.
     ///
     /// # Errors
-    /// There is no such place, it is no store, or one of another format.
-    pub(crate) fn open(place: &Path) -> Result<Self, ViewError> {
+    /// There is no such place, it is no store, or one of another format; the predictions cannot be read, or
+    /// are for other scenes.
+    pub(crate) fn open(place: &Path, predictions: Option<&Path>) -> Result<Self, ViewError> {
         let store = Store::open(place)?;
         if store.read(keys::DATASET)?.is_none() {
             return Err(ViewError::NoDataset(place.to_owned()));
         }
         // A bucket is no path.
         let root = fs::canonicalize(store.location("")).ok();
-        Ok(Self { store, root })
+        let predictions = predictions.map(|path| predictions::open(&store, path)).transpose()?;
+        Ok(Self { store, root, predictions })
+    }
+
+    pub(crate) fn store(&self) -> &Store {
+        &self.store
+    }
+
+    pub(crate) fn predictions(&self) -> Option<&PredictionFile> {
+        self.predictions.as_ref()
     }
 
     pub(crate) fn backend(&self) -> &dyn Backend {
