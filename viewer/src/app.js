@@ -51,7 +51,7 @@ export class App {
 
   async start() {
     this.link = readLink(location.hash)
-    this.isOwn = location.hash.length <= 1
+    this.isOwn = location.hash.length <= 1 && !this.store.index.excerpt
     if (this.isOwn) recall(this.choices)
     else takeLink(this.choices, this.link)
     this.setTheme(storedTheme() ?? (matchMedia('(prefers-color-scheme: light)').matches ? 'light' : 'dark'))
@@ -71,9 +71,10 @@ export class App {
     this.view.clear()
     try {
       const scene = await this.store.scene(folder)
-      await this.ask.openScene(scene)
+      const predictions = await this.ask.read(scene)
       if (version !== this.version) return
       this.scene = scene
+      this.ask.openScene(predictions)
       this.map = null
       this.setNote('scene', null)
       const names = scene.agents.map(a => a.name)
@@ -384,7 +385,7 @@ export class App {
     const version = this.pictureVersion = (this.pictureVersion ?? 0) + 1
     const isCurrent = () => version === this.pictureVersion && scene === this.scene
     const common = { scene, agent: this.egoAgent, frame, classColor: this.classColor, chosen: this.chosen, isCurrent, colorOf: c.ask === 'scene' ? b => this.classColor(b.class) : colorOf }
-    if (c.view === 'cameras') this.grid.show(common, agent => this.boxesInPictures(boxes, agent))
+    if (c.view === 'cameras') this.grid.show(common, agent => this.boxesInPictures(boxes, agent)).catch(error => this.fail('pictures', error))
     const bev = (element, withBoxes) => this.isMissing(element, `bev/${this.ego}.npz`, 'No BEV masks') ? Promise.resolve(null)
       : drawBev(element, { ...common, boxes, hidden: c.hiddenBev, withBoxes, theme: this.pictureTheme, colorOf: c.ask === 'scene' ? null : colorOf })
     if (c.view === 'bev') bev(this.bev, c.bevBoxes).then(drawn => drawn && this.panels.bevLegend(drawn))

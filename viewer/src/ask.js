@@ -26,27 +26,29 @@ export class Ask {
     return this.app.choices.ask
   }
 
-  /** Predictions of a scene; the page goes on without them where they cannot be had. */
-  async openScene(scene) {
-    this.predictions = null
-    this.cached = null
-    if (!this.about) {
-      if (this.question === 'model') this.app.choices.ask = 'scene'
-      return
-    }
-    const { choices } = this.app
-    if (!this.about.modes.includes('-') && !this.about.modes.includes(choices.partners)) choices.partners = this.about.modes.at(-1)
+  /** Reads a scene's predictions; null where there are none. The page goes on without them where they cannot be had. */
+  async read(scene) {
+    if (!this.about?.scenes.includes(Number(scene.folder))) return null
     try {
       const told = await this.app.store.readJson(`api/predictions/${scene.folder}.json`)
-      this.predictions = new ScenePredictions(told, scene.tables.origin, this.app.names.classes.map(c => c.name))
+      return new ScenePredictions(told, scene.tables.origin, this.app.names.classes.map(c => c.name))
     } catch (error) {
       this.app.setNote('predictions', note('bad', `No predictions are shown: ${error.message}`))
+      return null
     }
   }
 
-  /** The mode as the predictions' file calls it. */
+  /** A scene is opened, with what `read` gave of it. */
+  openScene(predictions) {
+    this.predictions = predictions
+    this.cached = null
+    if (!this.about && this.question === 'model') this.app.choices.ask = 'scene'
+  }
+
+  /** The mode as the predictions' file calls it: the chosen one, or its last one where it has not that. */
   get mode() {
-    return this.about?.modes.includes('-') ? '-' : this.app.choices.partners
+    const { modes } = this.about
+    return modes.includes(this.app.choices.partners) ? this.app.choices.partners : modes.at(-1)
   }
 
   get rule() {
@@ -161,10 +163,12 @@ export class Ask {
   counts() {
     const { sample } = this.look()
     const { rule, predictions, mode, app } = this
-    const key = JSON.stringify([app.scene.folder, app.ego, mode, rule])
+    const key = JSON.stringify([mode, rule])
     if (this.total?.key !== key || this.total.of !== predictions) {
-      this.total = { key, of: predictions, ego: tally(predictions.of(mode, app.ego), rule).all, worst: predictions.worst(mode, rule, WORST_FRAMES) }
+      this.total = { key, of: predictions, egos: new Map(), worst: predictions.worst(mode, rule, WORST_FRAMES) }
     }
-    return { frame: sample && tally([sample], rule), scene: this.total.ego, worst: this.total.worst }
+    const { egos, worst } = this.total
+    if (!egos.has(app.ego)) egos.set(app.ego, tally(predictions.of(mode, app.ego), rule).all)
+    return { frame: sample && tally([sample], rule), scene: egos.get(app.ego), worst }
   }
 }

@@ -96,6 +96,7 @@ export class AskPanel {
     const { app } = this
     const { choices: c, ask } = app
     $('model-body').hidden = !ask.predictions
+    $('model-none').textContent = ask.predictions ? '' : `${ask.about.file} has no predictions of this scene.`
     if (!ask.predictions) return
     const { rule } = ask
     const [low, high] = ask.predictions.range
@@ -117,13 +118,25 @@ export class AskPanel {
     $('model-table').replaceChildren(head, ...classes, line('all', all, 'sum'))
     const part = (a, b) => a + b ? `${(100 * a / (a + b)).toFixed(0)} %` : '–'
     $('model-scene').textContent = `${app.ego}, whole scene: recall ${part(scene.found, scene.missed)}, precision ${part(scene.found, scene.false)}.`
-    $('worst').replaceChildren(...worst.map(({ sample, missed, false: wrong }) => {
-      const isHere = sample.agent === app.ego && sample.frame === app.scene.tables.boxFrame(app.frame)
-      const button = make('button', { 'aria-pressed': isHere, title: 'Go to this frame' },
-        make('b', { textContent: String(this.app.panels.first + sample.frame) }), ` ${sample.agent} `, make('small', { textContent: `${missed} missed, ${wrong} false` }))
-      button.addEventListener('click', () => app.goTo(sample.agent, sample.frame))
-      return make('li', {}, button)
-    }))
+    this.worst(worst)
+  }
+
+  /** The list of the worst frames; it is made anew only where it is another one, so that it keeps the keyboard. */
+  worst(worst) {
+    const { app } = this
+    if (this.listed !== worst) {
+      this.listed = worst
+      $('worst').replaceChildren(...worst.map(({ sample, missed, false: wrong }) => {
+        const button = make('button', { title: 'Go to this frame' },
+          make('b', { textContent: String(app.panels.first + sample.frame) }), ` ${sample.agent} `, make('small', { textContent: `${missed} missed, ${wrong} false` }))
+        button.addEventListener('click', () => app.goTo(sample.agent, sample.frame))
+        return make('li', {}, button)
+      }))
+    }
+    const frame = app.scene.tables.boxFrame(app.frame)
+    for (const [i, { sample }] of worst.entries()) {
+      $('worst').children[i].firstChild.setAttribute('aria-pressed', sample.agent === app.ego && sample.frame === frame)
+    }
   }
 
   /** Marks on the time line: partners see something new (orange), the ego sees what partners saw before (blue). */

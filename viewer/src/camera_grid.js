@@ -83,7 +83,9 @@ export class CameraGrid {
   }
 
   across() {
-    return this.pictures.size === 1 || this.host.clientWidth < NARROW_PX ? 1 : this.pictures.size === 2 || this.pictures.size === 4 ? 2 : Math.min(3, this.pictures.size)
+    const { size } = this.pictures
+    if (size === 1 || this.host.clientWidth < NARROW_PX) return 1
+    return size === 3 && this.app.choices.grid === 'agent' || size > 4 ? 3 : 2
   }
 
   /** How wide pictures are decoded; one alone as it is. */

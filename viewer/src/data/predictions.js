@@ -19,7 +19,7 @@ export class ScenePredictions {
     this.frames = [...new Set(told.samples.map(s => s.frame))].sort((a, b) => a - b)
     const scores = told.samples.flatMap(s => s.scores)
     /** Least and greatest score. */
-    this.range = [scores.reduce((a, b) => Math.min(a, b), Infinity), scores.reduce((a, b) => Math.max(a, b), -Infinity)]
+    this.range = scores.length ? [scores.reduce((a, b) => Math.min(a, b)), scores.reduce((a, b) => Math.max(a, b))] : [0, 0]
   }
 
   /** What was predicted for an ego at a frame, or undefined where nobody asked. */
