@@ -5,7 +5,7 @@ import { CameraGrid, kindAtHand } from './camera_grid.js'
 import { DEFAULTS, VOXEL_DETAIL, freshChoices, takeLink } from './choices.js'
 import { agentColor, classColors } from './colors.js'
 import { mapElements } from './data/scene.js'
-import { filtered } from './filters.js'
+import { Occlusions, filtered } from './filters.js'
 import { remedy } from './data/store.js'
 import { readLink, writeLink } from './link.js'
 import { recall, remember } from './memory.js'
@@ -187,11 +187,23 @@ export class App {
     this.update()
   }
 
+  /** How much the ego's cameras hide of objects, or null: nobody asks, it is not known, or it is read first. */
+  occlusionOf() {
+    const { scene, ego } = this
+    if (!this.choices.occluded) return null
+    if (this.occlusions?.scene !== scene || this.occlusions.ego !== ego) {
+      const read = this.occlusions = Object.assign(new Occlusions(scene, ego), { ego })
+      this.setNote('occluded', read.isThere ? null : note('', `Nobody knows what ${ego} sees occluded: it has no 2-D boxes (camera.boxes_2d).`))
+      if (read.isThere) read.read().then(() => read === this.occlusions && this.update()).catch(error => this.fail('occluded', error))
+    }
+    return this.occlusions.byFrame && this.occlusions.at(this.frame)
+  }
+
   /** All boxes of the frame that filters leave. */
   boxesLeft() {
     const e = this.scene.tables.poseAt(this.egoAgent, this.frame).matrix.elements
     const always = new Set([this.chosen, ...this.scene.agents.map(a => a.id)])
-    return filtered(this.scene.tables.boxesAt(this.frame), this.choices, { here: [e[12], e[13]], always })
+    return filtered(this.scene.tables.boxesAt(this.frame), this.choices, { here: [e[12], e[13]], always, occlusionOf: this.occlusionOf() })
   }
 
   boxesShown() {

@@ -15,6 +15,8 @@ export const QUESTIONS = ['scene', 'partners', 'model']
 export const GRIDS = ['agent', 'agents', 'object']
 /** Difficulties of boxes. */
 export const LEVELS = ['easy', 'medium', 'hard']
+/** Boxes of which the agent's cameras hide at most such a share; empty: all. */
+export const OCCLUDED = ['', '0.2', '0.5', '0.8', '1']
 /** Boxes up to so far from the agent, m; empty: all. */
 export const WITHIN_M = ['', '25', '50', '80', '120']
 /** How voxels may be looked at: merged to cells of some metres, within some metres of the agent. */
@@ -23,7 +25,7 @@ export const DEFAULTS = {
   view: '3d', sensor: 'LIDAR', color: 'height', size: 1.5, boxes: 'class', valid: true, layers: new Set(['points', 'boxes', 'labels', 'map', 'grid']),
   marks: new Set(['boxes']), kind: 'RGB', camera: '', mode: 'follow', voxels: 'wide', hidden: new Set(), hiddenBev: new Set(), bevBoxes: true,
   ask: 'scene', partners: 'x2x', range: COMM_RANGE_M, elevation: ELEVATION_M, heardOnly: true, score: '', threshold: 2, grid: 'agent',
-  within: '', points: 0, levels: new Set(LEVELS), side: true,
+  within: '', points: 0, levels: new Set(LEVELS), occluded: '', side: true,
 }
 
 export function freshChoices() {
@@ -34,7 +36,7 @@ export function freshChoices() {
 export function takeLink(choices, link) {
   const among = {
     view: VIEWS, color: COLORINGS, boxes: BOX_COLORINGS, kind: KINDS, mode: MODES, voxels: Object.keys(VOXEL_DETAIL),
-    ask: QUESTIONS, partners: PARTNER_MODES, grid: GRIDS, within: WITHIN_M,
+    ask: QUESTIONS, partners: PARTNER_MODES, grid: GRIDS, within: WITHIN_M, occluded: OCCLUDED,
   }
   for (const [key, list] of Object.entries(among)) if (list.includes(link[key])) choices[key] = link[key]
   for (const key of ['sensor', 'camera']) choices[key] = link[key] ?? choices[key]

@@ -1,7 +1,7 @@
 // Panels, buttons and keys: they change the app's choices and show them.
 
 import { AskPanel } from './ask_panel.js'
-import { GRIDS, LAYERS, LEVELS, MARKS, QUESTIONS, VIEWS, VOXEL_DETAIL, WITHIN_M } from './choices.js'
+import { GRIDS, LAYERS, LEVELS, MARKS, OCCLUDED, QUESTIONS, VIEWS, VOXEL_DETAIL, WITHIN_M } from './choices.js'
 import { agentColor, css, rampCss, readable } from './colors.js'
 import { Tools } from './tools.js'
 import { $, boxFacts, check, make, options, swatch } from './ui.js'
@@ -28,6 +28,7 @@ export class Panels {
     options($('boxes-by'), [['class', 'class'], ['id', 'object id'], ['agent', 'who saw it']], 'class')
     options($('grid'), GRIDS.map(g => [g, GRID_NAMES[g]]), 'agent')
     options($('within'), WITHIN_M.map(m => [m, m ? `${m} m` : 'everywhere']), '')
+    options($('occluded'), OCCLUDED.map(s => [s, !s ? 'no matter' : s === '1' ? 'in a picture' : `up to ${100 * s} %`]), '')
     this.ask = new AskPanel(app, () => {
       this.toggles()
       app.update()
@@ -144,6 +145,7 @@ export class Panels {
     document.body.classList.toggle('no-side', !c.side)
     $('side-toggle').setAttribute('aria-expanded', c.side)
     $('within').value = c.within
+    $('occluded').value = c.occluded
     $('points-from').value = c.points
     $('voxel-row').style.display = c.layers.has('voxels') ? '' : 'none'
     $('map-legend').replaceChildren(...(c.layers.has('map') ? this.mapKinds() : []))
@@ -286,6 +288,7 @@ export class Panels {
     choose('kind', 'kind')
     choose('grid', 'grid')
     choose('within', 'within')
+    choose('occluded', 'occluded')
     choose('points-from', 'points', e => Math.max(0, Math.round(Number(e.target.value)) || 0))
     on('camera', 'change', e => this.setCamera(e.target.value))
     on('inset-camera', 'change', e => this.setCamera(e.target.value))

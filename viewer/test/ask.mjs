@@ -21,6 +21,7 @@ try {
     await model(page, name)
     await partners(page, name)
     if (name === 'desktop') await tools(page)
+    if (name === 'desktop' && !address.startsWith('file:')) await memory(page)
     assert.deepEqual(page.errors, [])
     await page.close()
   }
@@ -122,4 +123,22 @@ async function tools(page) {
     if (pictures) break
   }
   assert.ok(pictures > 0, 'some object is seen by a camera')
+}
+
+/** A page without a link takes over the layout of last time; a link shows what its sender saw. */
+async function memory(page) {
+  const hasGrid = async hash => {
+    await page.open('about:blank')
+    await page.open(`${address}${hash}`)
+    await page.until(settled)
+    return page.evaluate(`convoy.choices.layers.has('grid')`)
+  }
+  assert.equal(await hasGrid(''), true)
+  await page.press('g', 'KeyG')
+  await page.until(`localStorage.getItem('convoy-layout')?.includes('layers=')`)
+  assert.equal(await hasGrid(''), false)
+  assert.equal(await hasGrid('#frame=1'), true)
+  // The picture that would be saved has more than its ground.
+  const bytes = await page.evaluate(`convoy.view.picture().then(blob => blob.size)`)
+  assert.ok(bytes > 20_000, `${bytes} bytes`)
 }

@@ -90,6 +90,8 @@ test('filters leave the chosen one', () => {
   assert.ok(passes({ within: '50' }) && !passes({ within: '25' }) && passes({ within: '25' }, [1]))
   assert.ok(passes({ points: 4 }) && !passes({ points: 5 }))
   assert.ok(!passes({ levels: new Set(['easy']) }))
+  const isLeft = share => filtered([box], { ...choices, occluded: '0.5' }, { here: [0, 0], always: new Set(), occlusionOf: () => share }).length === 1
+  assert.ok(isLeft(0.5) && !isLeft(0.6) && !isLeft(undefined))
   // Only where a question wants to know what nobody saw.
   assert.ok(!passes({ valid: true }) && passes({ valid: true, ask: 'partners' }))
 })
