@@ -83,8 +83,8 @@ fn the_page_shows_a_store_and_an_excerpt_of_it() {
     take_shots(&chromium, &format!("file://{}", page.display()), &shots.join("excerpt"));
 }
 
-/// Who sees what and what a model found, over a store and in an excerpt: predictions are the store's boxes, every
-/// fifth of them far from where it was.
+/// Who sees what and what a model found, over a store and in an excerpt: predictions are the store's boxes,
+/// every fifth of them far from where it was.
 #[test]
 fn the_page_shows_what_partners_add_and_what_a_model_saw() {
     let Some(chromium) = chromium() else { return };

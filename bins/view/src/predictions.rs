@@ -2,39 +2,19 @@
 
 use std::path::Path;
 
-use evaluation::{PredictionFile, Sample, ScenePairs, SeenBy, THRESHOLDS_M};
+use evaluation::{Sample, ScenePairs, SeenBy, THRESHOLDS_M};
 use scene::SceneReader;
 use schema::DetectionClass;
 use schema::table::Row;
 use schema::tables::{AgentRow, ValidBoxRow};
 use serde_json::{Value, json};
-use store::Store;
 
 use crate::error::ViewError;
-use crate::listing;
 use crate::site::Site;
 
 /// Whose sight makes a box a target: `evaluate`'s default.
 const COMM_RANGE_M: f64 = 80.0;
 const ELEVATION_M: f64 = 4.8;
-
-/// Opens a file of predictions for a store.
-///
-/// # Errors
-/// It cannot be read, or has rows of other scenes alone.
-pub(crate) fn open(store: &Store, path: &Path) -> Result<PredictionFile, ViewError> {
-    if path.extension().is_some_and(|end| end == "json") {
-        return Err(ViewError::Results(path.to_owned()));
-    }
-    let file = PredictionFile::open(path)?;
-    let there = store.backend().folders("scenes")?;
-    let is_there = |scene: u32| there.iter().any(|folder| folder.parse() == Ok(scene));
-    if !file.scenes().any(is_there) {
-        let scenes = file.scenes().map(|scene| scene.to_string()).collect::<Vec<_>>().join(", ");
-        return Err(ViewError::OtherScenes { file: path.to_owned(), scenes });
-    }
-    Ok(file)
-}
 
 /// What there is of predictions: the file's name, its modes and scenes; null without any.
 pub(crate) fn about(site: &Site) -> Value {
@@ -57,7 +37,6 @@ pub(crate) fn about(site: &Site) -> Value {
 pub(crate) fn of_scene(site: &Site, folder: &str) -> Result<Value, ViewError> {
     let file = site.predictions().ok_or(ViewError::NoPredictions)?;
     let number = folder.parse().map_err(|_| ViewError::NoScene)?;
-    listing::scene_info(site, folder)?;
     let scene = SceneReader::open(site.store(), number, &[AgentRow::STAGE, ValidBoxRow::STAGE])?;
     let seen = SeenBy::Partners { range_m: COMM_RANGE_M, elevation_m: ELEVATION_M };
     let pairs = ScenePairs::read(&scene, file, seen)?;

@@ -9,7 +9,7 @@ use store::{Backend, Store, keys};
 
 use crate::error::{ViewError, of_place};
 use crate::object::Object;
-use crate::{paths, predictions};
+use crate::paths;
 
 /// A store that is shown.
 pub(crate) struct Site {
@@ -33,7 +33,7 @@ impl Site {
         }
         // A bucket is no path.
         let root = fs::canonicalize(store.location("")).ok();
-        let predictions = predictions.map(|path| predictions::open(&store, path)).transpose()?;
+        let predictions = predictions.map(|path| open_predictions(&store, path)).transpose()?;
         Ok(Self { store, root, predictions })
     }
 
@@ -75,4 +75,22 @@ impl Site {
         let Some(object) = self.object(key)? else { return Ok(None) };
         Ok(Some(serde_json::from_slice(&object.bytes()?).map_err(of_place(&object.place))?))
     }
+}
+
+/// Opens a file of predictions for a store.
+///
+/// # Errors
+/// It cannot be read, or has rows of other scenes alone.
+fn open_predictions(store: &Store, path: &Path) -> Result<PredictionFile, ViewError> {
+    if path.extension().is_some_and(|end| end == "json") {
+        return Err(ViewError::Results(path.to_owned()));
+    }
+    let file = PredictionFile::open(path)?;
+    let there = store.backend().folders("scenes")?;
+    let is_there = |scene: u32| there.iter().any(|folder| folder.parse() == Ok(scene));
+    if !file.scenes().any(is_there) {
+        let scenes = file.scenes().map(|scene| scene.to_string()).collect::<Vec<_>>().join(", ");
+        return Err(ViewError::OtherScenes { file: path.to_owned(), scenes });
+    }
+    Ok(file)
 }

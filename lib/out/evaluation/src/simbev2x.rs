@@ -30,8 +30,8 @@ pub(crate) fn canonical_class(class: DetectionClass) -> Option<usize> {
     DetectionClass::ALL.into_iter().position(|c| c == class)
 }
 
-/// The predictions of a class in a sample that count: the surest first, of equal scores the earlier first, and
-/// no more than the class's cap.
+/// The predictions of a class in a sample that count: the surest first, of equal scores the earlier first,
+/// and no more than the class's cap.
 pub(crate) fn surest(class: usize, predictions: &[Prediction]) -> Vec<&Prediction> {
     let mut own: Vec<&Prediction> = predictions.iter().filter(|p| p.class == class).collect();
     own.sort_by(|a, b| by_score(a.score, b.score));
@@ -39,8 +39,8 @@ pub(crate) fn surest(class: usize, predictions: &[Prediction]) -> Vec<&Predictio
     own
 }
 
-/// Which target each of the surest predictions finds, by threshold: in their order they choose the nearest that
-/// is free by the distance of centres in space, and find it up to the threshold.
+/// Which target each of the surest predictions finds, by threshold: in their order they choose the nearest
+/// that is free by the distance of centres in space, and find it up to the threshold.
 pub(crate) fn assigned(surest: &[&Prediction], targets: &[&Target]) -> [Vec<Option<usize>>; 4] {
     let distances = Distances::new(surest, targets, |p, t| t.solid.distance_m(&p.solid));
     THRESHOLDS_M.map(|threshold_m| distances.assign(surest.len(), |away| away <= threshold_m))
