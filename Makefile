@@ -51,7 +51,7 @@ SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
 AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels scale bench-stores test-slurm test-stores test-ray test-kubernetes faults gpus gpu-kit release release-check docs help help-all
+.PHONY: docs-site dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels scale bench-stores test-slurm test-stores test-ray test-kubernetes faults gpus gpu-kit release release-check docs help help-all
 
 # What people use, and all there is.
 help:
@@ -90,6 +90,7 @@ help-all:
 	@echo "make film [STORE=dataset] [SCENE=0] [AGENT=vehicle_0] [EVERY=2] [OUT=film.png]     (and .mp4 with an ffmpeg)"
 	@echo "make gpus                           (which GPUs there are, and whether they could be used: docs/gpu.md)"
 	@echo "make test | lint | bench | docs     (for developers)"
+	@echo "make docs-site                      (all pages as a site, in target/docs-site; pip install mkdocs-material)"
 	@echo "make release [DIST=dist] | release-check [DIST=dist] [ROOTS='folder ...'] [NATIVE=program]    (docs/install.md)"
 
 build:
@@ -315,6 +316,10 @@ shares: build
 # Seconds that stores of many scenes cost those who ask about them: make scale [SCENES=10000].
 scale: build
 	SCENES=$(or $(SCENES),10000) $(CARGO) bench --locked -p convoy-tests --bench scale
+
+# All pages as a site in target/docs-site; needs `pip install mkdocs-material`.
+docs-site:
+	$(PYTHON) docs/site.py
 
 docs:
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps

@@ -1,14 +1,18 @@
 // The choices, and what follows from them on the screen.
 
+import { Ask } from './ask.js'
 import { CameraGrid, kindAtHand } from './camera_grid.js'
 import { DEFAULTS, VOXEL_DETAIL, freshChoices, takeLink } from './choices.js'
 import { agentColor, classColors } from './colors.js'
 import { mapElements } from './data/scene.js'
+import { Occlusions, filtered } from './filters.js'
 import { remedy } from './data/store.js'
 import { readLink, writeLink } from './link.js'
+import { recall, remember } from './memory.js'
 import { Panels } from './panels.js'
 import { Player } from './player.js'
-import { $, advice, keysDialog, make, note } from './ui.js'
+import { stale, unmade } from './scene_notes.js'
+import { $, advice, boxName, keysDialog, make, note } from './ui.js'
 import { drawBev, drawCamera, pictureElement } from './view/pictures.js'
 import { View3d, boxColor } from './view/view3d.js'
 
@@ -32,6 +36,7 @@ export class App {
     })
     /** What the points on the screen do not say, by colouring: `tag`, `id`, `intensity`. */
     this.unknown = new Set()
+    this.ask = new Ask(this)
     this.panels = new Panels(this)
     this.player = new Player({ periodS: this.names.frame_period_s, isReady: frame => this.isReady(frame), show: frame => this.setFrame(frame) })
     this.grid = new CameraGrid(this)
@@ -46,7 +51,9 @@ export class App {
 
   async start() {
     this.link = readLink(location.hash)
-    takeLink(this.choices, this.link)
+    this.isOwn = location.hash.length <= 1 && !this.store.index.excerpt
+    if (this.isOwn) recall(this.choices)
+    else takeLink(this.choices, this.link)
     this.setTheme(storedTheme() ?? (matchMedia('(prefers-color-scheme: light)').matches ? 'light' : 'dark'))
     this.bind()
     keysDialog($('keys'))
@@ -64,8 +71,10 @@ export class App {
     this.view.clear()
     try {
       const scene = await this.store.scene(folder)
+      const predictions = await this.ask.read(scene)
       if (version !== this.version) return
       this.scene = scene
+      this.ask.openScene(predictions)
       this.map = null
       this.setNote('scene', null)
       const names = scene.agents.map(a => a.name)
@@ -81,6 +90,7 @@ export class App {
       this.drawTracks()
       const { missing } = scene.store.index.scenes.find(s => s.folder === folder) ?? {}
       if (missing?.length) this.setNote('stages', unmade(scene, missing))
+      if (scene.listing.stale?.length) this.setNote('stale', stale(scene.listing.stale))
       this.update()
       if (this.link.pose) this.view.navigation.pose = this.link.pose
       this.link = {}
@@ -157,6 +167,12 @@ export class App {
     this.update()
   }
 
+  /** A frame as an ego has it. */
+  goTo(ego, frame) {
+    if (ego !== this.ego) this.setEgo(ego)
+    this.setFrame(frame)
+  }
+
   setView(view) {
     this.choices.view = view
     this.panels.views()
@@ -171,10 +187,27 @@ export class App {
     this.update()
   }
 
-  boxesShown() {
-    const { hidden, valid } = this.choices
+  /** How much the ego's cameras hide of objects, or null: nobody asks, it is not known, or it is read first. */
+  occlusionOf() {
+    const { scene, ego } = this
+    if (!this.choices.occluded) return null
+    if (this.occlusions?.scene !== scene || this.occlusions.ego !== ego) {
+      const read = this.occlusions = Object.assign(new Occlusions(scene, ego), { ego })
+      this.setNote('occluded', read.isThere ? null : note('', `Nobody knows what ${ego} sees occluded: it has no 2-D boxes (camera.boxes_2d).`))
+      if (read.isThere) read.read().then(() => read === this.occlusions && this.update()).catch(error => this.fail('occluded', error))
+    }
+    return this.occlusions.byFrame && this.occlusions.at(this.frame)
+  }
+
+  /** All boxes of the frame that filters leave. */
+  boxesLeft() {
+    const e = this.scene.tables.poseAt(this.egoAgent, this.frame).matrix.elements
     const always = new Set([this.chosen, ...this.scene.agents.map(a => a.id)])
-    return this.scene.tables.boxesAt(this.frame).filter(b => !hidden.has(b.class) && (!valid || b.isValid || always.has(b.id)))
+    return filtered(this.scene.tables.boxesAt(this.frame), this.choices, { here: [e[12], e[13]], always, occlusionOf: this.occlusionOf() })
+  }
+
+  boxesShown() {
+    return this.ask.boxes(this.boxesLeft())
   }
 
   drawTracks() {
@@ -190,28 +223,42 @@ export class App {
     const ego = this.egoAgent
     const pose = scene.tables.poseAt(ego, this.frame)
     this.panels.frame()
-    const boxes = this.boxesShown()
+    const left = this.boxesLeft()
+    const boxes = this.ask.boxes(left)
+    const colorOf = this.ask.colorOf() ?? boxColor(c.boxes, this.classColor, scene.agents, this.isDark)
     if (c.view === '3d') {
       this.view.navigation.anchorAt(pose.matrix)
-      const colorOf = boxColor(c.boxes, this.classColor, scene.agents, this.isDark)
       this.view.update({
         coloring: this.coloring, pointSize: c.size, layers: c.layers, frame: this.frame, groundZ: pose.matrix.elements[14],
         place: { x: pose.matrix.elements[12], y: pose.matrix.elements[13] }, boxes: c.layers.has('boxes') ? boxes : [], colorOf, chosen: this.chosen,
-        labels: c.layers.has('labels') ? this.labels(boxes, colorOf) : [],
+        labels: c.layers.has('labels') ? this.labels(boxes, colorOf) : [], ...this.lines(boxes, colorOf, pose),
       })
       this.showPoints()
       this.showVoxels()
       if (c.layers.has('map')) this.showMap()
     }
-    this.showPictures(boxes)
-    this.panels.object(this.chosen === null ? null : scene.tables.boxesAt(this.frame).find(b => b.id === this.chosen))
+    this.showPictures(boxes, colorOf)
+    this.panels.ask.show(left)
+    this.panels.object(this.chosen === null ? null : [...scene.tables.boxesAt(this.frame), ...boxes].find(b => b.id === this.chosen))
     this.prefetch()
     this.isDirty = true
     this.linkSoon()
   }
 
+  /** What is drawn between boxes: who hears whom and how far, which prediction found what. */
+  lines(boxes, colorOf, pose) {
+    const { links, results } = this.ask.look()
+    const e = pose.matrix.elements
+    const { range, partners } = this.choices
+    const ring = this.choices.ask === 'partners' && partners !== 'none' ? { center: [e[12], e[13], e[14]], radius: range, color: [125, 135, 150] } : null
+    const at = new Map(boxes.map(b => [b.id, b]))
+    const found = results ? boxes.filter(b => b.foundId && at.has(b.foundId)) : []
+    return { links, ring, pairs: this.choices.layers.has('boxes') ? found.map(b => [b.center, at.get(b.foundId).center, colorOf(b)]) : [] }
+  }
+
   labels(boxes, colorOf) {
     const { agents, tables } = this.scene
+    const { results } = this.ask.look()
     const ids = new Map(agents.map((agent, i) => [agent.id, [agent, i]]))
     const labels = agents.map((agent, i) => {
       const e = tables.poseAt(agent, this.frame).matrix.elements
@@ -219,18 +266,26 @@ export class App {
     })
     if (!this.choices.layers.has('boxes')) return labels
     for (const box of boxes) {
-      if (ids.has(box.id)) continue
+      // What was found needs no name: the missed and the false are looked for.
+      if (ids.has(box.id) || box.result === 'right' || (box.id !== this.chosen && results?.targets.get(box.id) === 'found')) continue
       const [r, g, b] = colorOf(box)
-      labels.push({ text: `${box.class.replaceAll('_', ' ')} ${box.id}`, color: `rgb(${r} ${g} ${b})`, place: [box.center[0], box.center[1], box.center[2] + 0.5 * box.size[2] + 0.3], isFirst: box.id === this.chosen })
+      labels.push({ text: boxName(box), color: `rgb(${r} ${g} ${b})`, place: [box.center[0], box.center[1], box.center[2] + 0.5 * box.size[2] + 0.3], isFirst: box.id === this.chosen })
     }
     return labels
+  }
+
+  /** Whether an agent's points are shown: those of agents that are not heard are none of the ego's. */
+  isShown(name) {
+    const { agents, ask, heardOnly } = this.choices
+    if (ask !== 'partners' || !heardOnly || name === this.ego) return agents.has(name)
+    return agents.has(name) && this.ask.look().partners.some(p => p.name === name && p.isHeard)
   }
 
   /** The requests for the points of all shown agents at a frame. */
   async pointRequests(frame) {
     const requests = []
     for (const agent of this.scene.agents) {
-      if (!this.choices.agents.has(agent.name)) continue
+      if (!this.isShown(agent.name)) continue
       for (const sensor of this.sensorsShown(agent.name)) {
         requests.push({ agent, about: await this.scene.sensor(agent.name, sensor), request: await this.scene.pointsRequest(agent.name, sensor, frame) })
       }
@@ -255,7 +310,7 @@ export class App {
       let count = 0
       for (const [index, agent] of scene.agents.entries()) {
         const own = readings.filter(r => r.agent === agent)
-        this.view.setPoints(agent.name, index, scene.tables.poseAt(agent, frame).matrix, own)
+        this.view.setPoints(agent.name, index, scene.tables.poseAt(agent, frame), own)
         for (const { reading } of own) {
           tags |= reading.tags
           count += reading.count
@@ -337,23 +392,30 @@ export class App {
     return { name, kind: kindAtHand(cameras.get(name) ?? [], this.choices.kind) }
   }
 
-  showPictures(boxes) {
+  showPictures(boxes, colorOf) {
     const { choices: c, scene, frame } = this
     const version = this.pictureVersion = (this.pictureVersion ?? 0) + 1
     const isCurrent = () => version === this.pictureVersion && scene === this.scene
-    // What only others saw would be drawn through walls.
-    const own = c.valid ? boxes.filter(b => !b.seenBy.length || b.seenBy.includes(this.ego)) : boxes
-    const common = { scene, agent: this.egoAgent, frame, boxes: own, classColor: this.classColor, chosen: this.chosen, isCurrent }
-    if (c.view === 'cameras') this.grid.show(common)
+    const common = { scene, agent: this.egoAgent, frame, classColor: this.classColor, chosen: this.chosen, isCurrent, colorOf: c.ask === 'scene' ? b => this.classColor(b.class) : colorOf }
+    if (c.view === 'cameras') this.grid.show(common, agent => this.boxesInPictures(boxes, agent)).catch(error => this.fail('pictures', error))
     const bev = (element, withBoxes) => this.isMissing(element, `bev/${this.ego}.npz`, 'No BEV masks') ? Promise.resolve(null)
-      : drawBev(element, { ...common, boxes, hidden: c.hiddenBev, withBoxes, theme: this.pictureTheme })
+      : drawBev(element, { ...common, boxes, hidden: c.hiddenBev, withBoxes, theme: this.pictureTheme, colorOf: c.ask === 'scene' ? null : colorOf })
     if (c.view === 'bev') bev(this.bev, c.bevBoxes).then(drawn => drawn && this.panels.bevLegend(drawn))
     if (c.view === '3d' && $('side').offsetWidth) {
       const { name, kind } = this.camera()
-      if (name) drawCamera(this.inset, { ...common, kind, camera: name, width: THUMB_PX, marks: new Set(['boxes']) })
+      if (name) drawCamera(this.inset, { ...common, boxes: this.boxesInPictures(boxes, this.egoAgent), kind, camera: name, width: THUMB_PX, marks: new Set(['boxes']) })
       else this.isMissing(this.inset, 'sensors/', 'No pictures')
       bev(this.insetBev, true)
     }
+  }
+
+  /** What only others saw would be drawn through walls, and is left out unless just that is asked. */
+  boxesInPictures(boxes, agent) {
+    const { ask, valid } = this.choices
+    if (ask === 'scene') return valid ? boxes.filter(b => !b.seenBy.length || b.seenBy.includes(agent.name) || b.id === this.chosen) : boxes
+    if (ask === 'partners') return boxes.filter(b => b.seenBy.length || b.id === this.chosen)
+    // Predictions are those of the ego.
+    return agent === this.egoAgent ? boxes : boxes.filter(b => !b.isPrediction)
   }
 
   /** Whether a file is not there; then the place of its picture says which stage writes it. */
@@ -428,6 +490,7 @@ export class App {
     this.linkTimer = setTimeout(() => {
       this.linkTimer = null
       history.replaceState(null, '', this.linkHash())
+      if (this.isOwn) remember(this.choices)
     }, 400)
   }
 
@@ -455,17 +518,6 @@ export class App {
       this.openScene(this.store.index.scenes.some(s => s.folder === link.scene) ? link.scene : this.scene.folder)
     })
   }
-}
-
-/** What has not been made of a scene, and what makes it. */
-function unmade(scene, missing) {
-  const code = text => make('code', { textContent: text })
-  if (!scene.info.imported) return note('', 'Not made yet: ', code(missing.join(', ')), '. ', code('make dataset'), ' makes what is missing.')
-  const { command } = remedy(scene, 'tracks.parquet')
-  const parts = command ? ['Tracks are not merged yet. Run ', code(command)] : ['The dataset that was imported is not post-processed: nobody counted what agents see of boxes, and there are no tracks. ']
-  const rest = missing.filter(stage => !['postprocess-valid', 'merge-tracks'].includes(stage))
-  if (rest.length) parts.push(' It has nothing of ', code(rest.join(', ')), '.')
-  return note('', ...parts)
 }
 
 function storedTheme() {

@@ -12,6 +12,11 @@ const BRIGHTEST = 0.66
 
 const AGENTS = ['#3987e5', '#eb6834', '#1baf7a', '#d55181', '#9085e9', '#c98500', '#20a4b8', '#8a9a3a']
 
+/** Who sees an object. Blue and orange stay apart for the colour-blind; grey recedes. */
+export const SIGHT_COLORS = { ego: '#3987e5', partners: '#f08a24', nobody: '#77808d' }
+/** What came of targets (found, missed) and of predictions (right, false); `other` is no target. */
+export const RESULT_COLORS = { found: '#1fae78', missed: '#f08a24', right: '#4aa3f0', false: '#e0459b', other: '#77808d' }
+
 /** Colour of an object's id, sRGB bytes. The shaders have the same formula. */
 export function idColor(id) {
   const hue = (id * GOLDEN) % 1

@@ -1,6 +1,6 @@
 // The choices as a URL's hash, so that a link shows what its sender saw. What is as by default is left out.
 
-const LISTS = ['agents', 'layers', 'marks', 'hidden', 'hiddenBev', 'pose']
+const LISTS = ['agents', 'layers', 'marks', 'hidden', 'hiddenBev', 'levels', 'pose']
 
 export function readLink(hash) {
   const link = {}

@@ -1,7 +1,9 @@
 // Panels, buttons and keys: they change the app's choices and show them.
 
-import { LAYERS, MARKS, VIEWS, VOXEL_DETAIL } from './choices.js'
+import { AskPanel } from './ask_panel.js'
+import { GRIDS, LAYERS, LEVELS, MARKS, OCCLUDED, QUESTIONS, VIEWS, VOXEL_DETAIL, WITHIN_M } from './choices.js'
 import { agentColor, css, rampCss, readable } from './colors.js'
+import { Tools } from './tools.js'
 import { $, boxFacts, check, make, options, swatch } from './ui.js'
 import { MAP_KINDS } from './view/lines.js'
 import { MODES } from './view/navigation.js'
@@ -10,8 +12,9 @@ import { COLORINGS } from './view/points.js'
 const LAYER_KEYS = { KeyP: 'points', KeyB: 'boxes', KeyL: 'labels', KeyM: 'map', KeyT: 'tracks', KeyX: 'voxels', KeyG: 'grid' }
 const LAYER_NAMES = { labels: 'labels', map: 'map lines' }
 const MARK_NAMES = { boxes: 'boxes, 3-D', boxes2d: 'boxes, 2-D', masks: 'masks', names: 'names' }
+const GRID_NAMES = { agent: 'one agent', agents: 'all agents', object: 'chosen object' }
 const MODE_NAMES = { follow: ['Around', 'Around the agent'], chase: ['Behind', 'Behind the agent'], top: ['Above', 'From above'], fly: ['Free', 'Fly: W A S D Q E'] }
-const COLOR_NAMES = { height: 'height', tag: 'semantic tag', id: 'object id', intensity: 'intensity', agent: 'agent' }
+const COLOR_NAMES = { height: 'height', tag: 'semantic tag', id: 'object id', intensity: 'intensity', agent: 'agent', plain: 'grey' }
 const KIND_NAMES = { RGB: 'colour', SEG: 'semantic', IST: 'instance', DPT: 'depth' }
 /** A press that moves less than this is a click, pixels. */
 const CLICK_PX = 4
@@ -23,8 +26,16 @@ export class Panels {
     options($('scene'), app.store.index.scenes.map(s => [s.folder, s.title]), '')
     options($('voxel-detail'), Object.entries(VOXEL_DETAIL).map(([key, d]) => [key, d.label]), 'wide')
     options($('boxes-by'), [['class', 'class'], ['id', 'object id'], ['agent', 'who saw it']], 'class')
+    options($('grid'), GRIDS.map(g => [g, GRID_NAMES[g]]), 'agent')
+    options($('within'), WITHIN_M.map(m => [m, m ? `${m} m` : 'everywhere']), '')
+    options($('occluded'), OCCLUDED.map(s => [s, !s ? 'no matter' : s === '1' ? 'in a picture' : `up to ${100 * s} %`]), '')
+    this.ask = new AskPanel(app, () => {
+      this.toggles()
+      app.update()
+    })
     this.colorings()
     $('modes').replaceChildren(...MODES.map(mode => this.button(MODE_NAMES[mode][0], MODE_NAMES[mode][1], () => this.setMode(mode), mode)))
+    this.tools = new Tools(app, this)
   }
 
   /** Colourings that the points on the screen do not say cannot be chosen. */
@@ -109,7 +120,7 @@ export class Panels {
   toggles() {
     const { app } = this
     const c = app.choices
-    const kinds = [['layers', LAYERS, LAYER_NAMES], ['marks', MARKS, MARK_NAMES]]
+    const kinds = [['layers', LAYERS, LAYER_NAMES], ['marks', MARKS, MARK_NAMES], ['levels', LEVELS, {}]]
     for (const [kind, all, names] of kinds) {
       const focused = document.activeElement?.dataset?.choice
       $(kind).replaceChildren(...all.map(name => {
@@ -130,6 +141,12 @@ export class Panels {
     $('bev-boxes').checked = c.bevBoxes
     $('voxel-detail').value = c.voxels
     $('kind').value = c.kind
+    $('grid').value = c.grid
+    document.body.classList.toggle('no-side', !c.side)
+    $('side-toggle').setAttribute('aria-expanded', c.side)
+    $('within').value = c.within
+    $('occluded').value = c.occluded
+    $('points-from').value = c.points
     $('voxel-row').style.display = c.layers.has('voxels') ? '' : 'none'
     $('map-legend').replaceChildren(...(c.layers.has('map') ? this.mapKinds() : []))
     this.legend(this.tags ?? 0)
@@ -161,8 +178,10 @@ export class Panels {
       intensity: () => [ramp('0', '1 (root scale)')],
       id: () => [make('span', { className: 'wide', textContent: 'A colour for each object, the same in masks and boxes by id; grey has none.' })],
       agent: () => [make('span', { className: 'wide', textContent: 'The colours beside the agents above.' })],
+      plain: () => [],
       tag: () => app.names.tags.map((tag, i) => [tag, i]).filter(([, i]) => tags >>> i & 1).map(([tag]) => swatch(tag.name, css(readable(tag.rgb, app.isDark)))),
     }[shown]?.() ?? []
+    if (layers.has('points') && sensor === 'Radars') parts.push(make('span', { className: 'wide', textContent: "Lines: a second's way over ground along the ray, from 1 m/s on; orange towards the radar, blue away." }))
     if (layers.has('points') && shown !== color) parts.unshift(make('span', { className: 'wide', textContent: this.whyUnknown(color) }))
     $('legend').replaceChildren(...parts)
   }
@@ -216,7 +235,20 @@ export class Panels {
     close.addEventListener('click', () => this.choose(null))
     const list = make('dl')
     if (box) for (const [name, value] of boxFacts(box)) list.append(make('dt', { textContent: name }), make('dd', { textContent: value }))
-    $('object').replaceChildren(make('h2', {}, `Object ${app.chosen}`, close), box ? list : make('p', { textContent: 'In no list at this frame.' }))
+    const parts = [make('h2', {}, box?.isPrediction ? 'Prediction' : `Object ${app.chosen}`, close)]
+    if (box && !box.isPrediction) parts.push(this.camerasOf())
+    $('object').replaceChildren(...parts, box ? list : make('p', { textContent: 'In no list at this frame.' }))
+  }
+
+  /** A button: all cameras that see the chosen object. */
+  camerasOf() {
+    const button = make('button', { className: 'small', textContent: 'all cameras that see it' })
+    button.addEventListener('click', () => {
+      this.app.choices.grid = 'object'
+      this.toggles()
+      this.app.setView('cameras')
+    })
+    return button
   }
 
   choose(box) {
@@ -254,6 +286,10 @@ export class Panels {
     choose('bev-boxes', 'bevBoxes', e => e.target.checked)
     choose('voxel-detail', 'voxels')
     choose('kind', 'kind')
+    choose('grid', 'grid')
+    choose('within', 'within')
+    choose('occluded', 'occluded')
+    choose('points-from', 'points', e => Math.max(0, Math.round(Number(e.target.value)) || 0))
     on('camera', 'change', e => this.setCamera(e.target.value))
     on('inset-camera', 'change', e => this.setCamera(e.target.value))
     const tabs = [...document.querySelectorAll('[data-tab]')]
@@ -276,6 +312,10 @@ export class Panels {
     canvas.addEventListener('pointerdown', e => { down = [e.clientX, e.clientY] })
     canvas.addEventListener('click', e => {
       if (!down || Math.hypot(e.clientX - down[0], e.clientY - down[1]) > CLICK_PX) return
+      if (app.view.measure.isOn) {
+        app.view.measureAt(e.clientX, e.clientY)
+        return app.update()
+      }
       const box = app.view.pick(e.clientX, e.clientY)
       if (box || app.chosen !== null) this.choose(box)
       document.body.classList.remove('menu-open')
@@ -303,8 +343,8 @@ export class Panels {
 
   toggleSide() {
     if (matchMedia('(max-width: 760px)').matches) return this.drawer('side-open', 'side-toggle')
-    const isShut = document.body.classList.toggle('no-side')
-    $('side-toggle').setAttribute('aria-expanded', !isShut)
+    this.app.choices.side = !this.app.choices.side
+    this.toggles()
     this.app.update()
   }
 
@@ -359,11 +399,18 @@ export class Panels {
       app.view.navigation.home()
     } else if (code === 'KeyN') {
       this.setCamera(next([...app.scene.cameras(app.ego).keys()], app.camera().name))
+    } else if (code === 'KeyU') {
+      this.tools.measure()
+    } else if (code === 'KeyK') {
+      this.ask.askFor(next(QUESTIONS.filter(q => q !== 'model' || app.ask.about), app.choices.ask))
+    } else if (key === '/') {
+      $('search-id').focus()
     } else if (LAYER_KEYS[code]) {
       app.toggle('layers', LAYER_KEYS[code])
     } else if (key === 'Escape') {
       document.body.classList.remove('menu-open', 'side-open')
-      this.choose(null)
+      if (app.view.measure.isOn) this.tools.measure(false)
+      else this.choose(null)
     } else if (key === '?') {
       $('keys').showModal()
     } else {

@@ -37,6 +37,16 @@ export function options(select, entries, chosen) {
   select.value = chosen
 }
 
+/** Buttons of which one is pressed; entries are `[value, text, title]`. */
+export function segments(host, entries, pressed) {
+  host.replaceChildren(...entries.map(([value, text, title]) => {
+    const button = make('button', { type: 'button', textContent: text, title })
+    button.dataset.value = value
+    button.addEventListener('click', () => pressed(value))
+    return button
+  }))
+}
+
 export function note(kind, ...parts) {
   return make('div', { className: `note ${kind}` }, ...parts)
 }
@@ -49,7 +59,7 @@ export function advice({ why, command }) {
 export const KEYS = [
   ['Space', 'play, pause'], ['← →', 'one frame back, ahead (Shift: ten)'], ['Home End', 'first, last frame'], ['1 … 9', 'choose an agent'],
   ['V', '3-D, cameras, BEV'], ['C', 'next colouring of points'], ['F', 'around the agent, behind it, from above, free'], ['R', 'the view as it was at first'],
-  ['W A S D Q E', 'fly (free view; Shift: faster)'], ['P B L M T X G', 'points, boxes, labels, map, tracks, voxels, grid'], ['N', 'next camera'], ['Esc', 'nothing chosen'], ['?', 'this list'],
+  ['W A S D Q E', 'fly (free view; Shift: faster)'], ['P B L M T X G', 'points, boxes, labels, map, tracks, voxels, grid'], ['N', 'next camera'], ['K', 'next question: scene, partners, model'], ['U', 'measure a distance: two clicks'], ['/', 'find an object by its id'], ['Esc', 'nothing chosen'], ['?', 'this list'],
 ]
 
 export function keysDialog(dialog) {
@@ -63,8 +73,14 @@ export function keysDialog(dialog) {
     make('p', { textContent: 'Drag to turn, right button or two fingers to move, wheel or pinch to come nearer. Click a box to see what is known of it.' }), close)
 }
 
+/** What a box is called: an object by its id, a prediction by its score. */
+export function boxName(box) {
+  return `${box.class.replaceAll('_', ' ')} ${box.isPrediction ? box.score.toFixed(2) : box.id}`
+}
+
 /** What is known of a box, as pairs. */
 export function boxFacts(box) {
+  if (box.isPrediction) return predictionFacts(box)
   const facts = [['class', box.class.replaceAll('_', ' ')], ['id', String(box.id)]]
   const add = (name, value) => {
     if (value !== null && value !== undefined && value !== '') facts.push([name, String(value)])
@@ -85,4 +101,12 @@ export function boxFacts(box) {
     add('attributes', box.attributes)
   }
   return facts
+}
+
+function predictionFacts(box) {
+  return [
+    ['class', box.class.replaceAll('_', ' ')], ['score', String(Number(box.score.toPrecision(4)))],
+    ['size', box.size.map(v => v.toFixed(2)).join(' × ') + ' m'], ['heading', `${(box.rpy[2] * 180 / Math.PI).toFixed(1)}°`],
+    ['found', box.foundId ? `object ${box.foundId}` : 'nothing: false'],
+  ]
 }

@@ -38,6 +38,8 @@ try {
   await page.press('c', 'KeyC')
   assert.equal(await page.evaluate('convoy.choices.color'), 'agent')
   await page.press('c', 'KeyC')
+  assert.equal(await page.evaluate('convoy.choices.color'), 'plain')
+  await page.press('c', 'KeyC')
   assert.equal(await page.evaluate('convoy.choices.color'), 'height')
   // A semantic lidar has its tags and ids.
   await show('semantic', 'sensor=SEG-LIDAR&color=tag')

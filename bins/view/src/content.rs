@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::error::ViewError;
 use crate::object::Object;
 use crate::site::Site;
-use crate::{listing, page, paths};
+use crate::{listing, page, paths, predictions};
 
 /// An answer's body.
 #[derive(Debug)]
@@ -31,18 +31,24 @@ pub(crate) fn content(site: &Site, path: &str) -> Result<Content, ViewError> {
         "/style.css" => text(page::STYLE, "text/css; charset=utf-8"),
         "/api/names.json" => Ok(json(&listing::names())),
         "/api/store.json" => listing::store(site).map(|v| json(&v)),
-        _ => match (path.strip_prefix("/api/scenes/"), path.strip_prefix("/store/")) {
-            (Some(name), _) => scene(site, name),
-            (_, Some(name)) => file(site, name),
-            _ => Err(ViewError::NoPage),
-        },
+        _ => {
+            if let Some(name) = path.strip_prefix("/api/scenes/") {
+                listing::scene(site, folder_of(name)?).map(|v| json(&v))
+            } else if let Some(name) = path.strip_prefix("/api/predictions/") {
+                predictions::of_scene(site, folder_of(name)?).map(|v| json(&v))
+            } else if let Some(name) = path.strip_prefix("/store/") {
+                file(site, name)
+            } else {
+                Err(ViewError::NoPage)
+            }
+        }
     }
 }
 
-fn scene(site: &Site, name: &str) -> Result<Content, ViewError> {
+/// The folder of the scene that a list `0007.json` is of.
+fn folder_of(name: &str) -> Result<&str, ViewError> {
     let folder = name.strip_suffix(".json").filter(|folder| listing::is_number(folder));
-    let folder = folder.ok_or(ViewError::NoScene)?;
-    listing::scene(site, folder).map(|v| json(&v))
+    folder.ok_or(ViewError::NoScene)
 }
 
 fn file(site: &Site, name: &str) -> Result<Content, ViewError> {

@@ -15,6 +15,16 @@ pub(crate) enum ViewError {
     Port(u16, io::Error),
     #[error(transparent)]
     Store(#[from] store::StoreError),
+    #[error(transparent)]
+    Scene(#[from] scene::SceneError),
+    #[error(transparent)]
+    Predictions(#[from] evaluation::EvaluationError),
+    #[error("{file}: it has predictions for scene {scenes}, and none of these is in the store")]
+    OtherScenes { file: PathBuf, scenes: String },
+    #[error("{0}: results of nuScenes are not shown: predictions are one Parquet file (docs/evaluation.md)")]
+    Results(PathBuf),
+    #[error("no predictions are shown: start with --predictions FILE")]
+    NoPredictions,
     #[error("{0}: {1}")]
     File(String, Unreadable),
     #[error("there is nothing here")]

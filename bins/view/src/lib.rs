@@ -13,6 +13,7 @@ mod object;
 mod open;
 mod page;
 mod paths;
+mod predictions;
 mod server;
 mod site;
 
@@ -38,12 +39,15 @@ pub struct ViewArgs {
     /// The store: a folder, or s3://, az://, gs://.
     #[arg(value_name = "STORE")]
     store: PathBuf,
-    /// The port; a free one by default.
-    #[arg(long, value_name = "PORT", default_value_t = 0)]
-    port: u16,
+    /// The port (default: 8461, so that browsers remember the layout of last time, or a free one).
+    #[arg(long, value_name = "PORT")]
+    port: Option<u16>,
     /// Only print the address; open no browser.
     #[arg(long)]
     no_open: bool,
+    /// Boxes that a model found, shown over those of the store: the Parquet file that `evaluate` reads.
+    #[arg(long, value_name = "FILE")]
+    predictions: Option<PathBuf>,
     /// Write an excerpt into this HTML file instead: the page with its data inside, below 15 MB, without
     /// pictures unless `--cameras` names some, and without voxels. Of lidar points so many stay as fit.
     #[arg(long, value_name = "FILE", requires = "scene")]
@@ -80,7 +84,7 @@ pub fn program(words: Vec<OsString>) -> ExitCode {
 /// Shows the store until the program is stopped, or writes an excerpt; the exit code.
 #[must_use]
 pub fn run(args: &ViewArgs) -> u8 {
-    let site = match Site::open(&args.store) {
+    let site = match Site::open(&args.store, args.predictions.as_deref()) {
         Ok(site) => site,
         Err(fault) => {
             complain(&fault);
@@ -102,7 +106,7 @@ pub fn run(args: &ViewArgs) -> u8 {
 }
 
 fn serve(args: &ViewArgs, site: Site) -> Result<(), ViewError> {
-    let server = Server::bind(args.port, site).map_err(|e| ViewError::Port(args.port, e))?;
+    let server = Server::bind(args.port, site).map_err(|e| ViewError::Port(args.port.unwrap_or(0), e))?;
     let address = server.address();
     say(&format!("{} is shown at {address} (Ctrl-C ends it)", args.store.display()));
     if !args.no_open && !open::in_browser(&address) {

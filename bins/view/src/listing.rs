@@ -2,9 +2,10 @@
 
 use schema::{BevClass, DetectionClass, FORMAT_VERSION, FRAME_PERIOD_S, Tag};
 use serde_json::{Value, json};
-use store::{keys, side_by_side};
+use store::{Scope, keys, side_by_side};
 
 use crate::error::ViewError;
+use crate::predictions;
 use crate::site::Site;
 
 /// Stages whose manifests a finished scene has, in their order.
@@ -35,7 +36,7 @@ pub(crate) fn store(site: &Site) -> Result<Value, ViewError> {
     let scenes = side_by_side(&folders, site.backend().at_once(), |folder| of_scene(site, folder))?;
     let scenes: Vec<Value> = scenes.into_iter().flatten().collect();
     let report = site.object("stats/report.html")?.is_some();
-    Ok(json!({ "name": name, "scenes": scenes, "report": report }))
+    Ok(json!({ "name": name, "scenes": scenes, "report": report, "predictions": predictions::about(site) }))
 }
 
 /// A scene of the list, if it has a log.
@@ -91,7 +92,21 @@ pub(crate) fn scene(site: &Site, folder: &str) -> Result<Value, ViewError> {
     let map =
         info["map"].as_str().map(|map| site.object(&format!("maps/{map}.vector.parquet"))).transpose()?;
     let map_bytes = map.flatten().map_or(0, |map| map.size());
-    Ok(json!({ "info": info, "files": files, "map_bytes": map_bytes }))
+    let stale = made_from_another_log(site, folder);
+    Ok(json!({ "info": info, "files": files, "map_bytes": map_bytes, "stale": stale }))
+}
+
+/// Stages that were made from another log than the one that is there: what they made may not fit it.
+fn made_from_another_log(site: &Site, folder: &str) -> Vec<&'static str> {
+    let Ok(number) = folder.parse() else { return Vec::new() };
+    // A manifest that cannot be read says nothing here: `verify` names it.
+    let manifest = |stage: &str| site.store().manifest(Scope::Scene(number), stage).ok().flatten();
+    let [first, later @ ..] = STAGES;
+    let Some(log) = manifest(first).map(|log| log.digest()) else { return Vec::new() };
+    let is_stale = |stage: &&str| {
+        manifest(stage).and_then(|made| made.inputs.get(first).cloned()).is_some_and(|from| from != log)
+    };
+    later.into_iter().filter(is_stale).collect()
 }
 
 pub(crate) fn scene_info(site: &Site, folder: &str) -> Result<Value, ViewError> {

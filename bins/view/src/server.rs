@@ -15,6 +15,8 @@ use crate::content::{Content, content};
 use crate::http::{ByteRange, NoRequest, Request, part_of, read_request};
 use crate::site::Site;
 
+/// Browsers keep what they remember by host and port.
+const USUAL_PORT: u16 = 8461;
 /// A browser opens six; more than this at once are turned away.
 const MAX_CONNECTIONS: usize = 64;
 /// Connections on which nothing happens are closed after this.
@@ -36,12 +38,16 @@ pub(crate) struct Server {
 }
 
 impl Server {
-    /// Listens on the loopback interface; port 0 is any free one.
+    /// Listens on the loopback interface; port 0 is any free one, as is none where the usual one is taken.
     ///
     /// # Errors
     /// The port is taken or not allowed.
-    pub(crate) fn bind(port: u16, site: Site) -> io::Result<Self> {
-        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
+    pub(crate) fn bind(port: Option<u16>, site: Site) -> io::Result<Self> {
+        let bind = |port| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
+        let listener = match port {
+            Some(port) => bind(port)?,
+            None => bind(USUAL_PORT).or_else(|_| bind(0))?,
+        };
         let port = listener.local_addr()?.port();
         Ok(Self { listener, port, site: Arc::new(site) })
     }

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use evaluation::PredictionFile;
 use serde_json::Value;
 use store::{Backend, Store, keys};
 
@@ -15,21 +16,33 @@ pub(crate) struct Site {
     store: Store,
     /// Its folder, all links followed; none in a bucket.
     root: Option<PathBuf>,
+    /// What a model found in it.
+    predictions: Option<PredictionFile>,
 }
 
 impl Site {
-    /// Opens a store.
+    /// Opens a store, and a file of predictions for it.
     ///
     /// # Errors
-    /// There is no such place, it is no store, or one of another format.
-    pub(crate) fn open(place: &Path) -> Result<Self, ViewError> {
+    /// There is no such place, it is no store, or one of another format; the predictions cannot be read, or
+    /// are for other scenes.
+    pub(crate) fn open(place: &Path, predictions: Option<&Path>) -> Result<Self, ViewError> {
         let store = Store::open(place)?;
         if store.read(keys::DATASET)?.is_none() {
             return Err(ViewError::NoDataset(place.to_owned()));
         }
         // A bucket is no path.
         let root = fs::canonicalize(store.location("")).ok();
-        Ok(Self { store, root })
+        let predictions = predictions.map(|path| open_predictions(&store, path)).transpose()?;
+        Ok(Self { store, root, predictions })
+    }
+
+    pub(crate) fn store(&self) -> &Store {
+        &self.store
+    }
+
+    pub(crate) fn predictions(&self) -> Option<&PredictionFile> {
+        self.predictions.as_ref()
     }
 
     pub(crate) fn backend(&self) -> &dyn Backend {
@@ -62,4 +75,22 @@ impl Site {
         let Some(object) = self.object(key)? else { return Ok(None) };
         Ok(Some(serde_json::from_slice(&object.bytes()?).map_err(of_place(&object.place))?))
     }
+}
+
+/// Opens a file of predictions for a store.
+///
+/// # Errors
+/// It cannot be read, or has rows of other scenes alone.
+fn open_predictions(store: &Store, path: &Path) -> Result<PredictionFile, ViewError> {
+    if path.extension().is_some_and(|end| end == "json") {
+        return Err(ViewError::Results(path.to_owned()));
+    }
+    let file = PredictionFile::open(path)?;
+    let there = store.backend().folders("scenes")?;
+    let is_there = |scene: u32| there.iter().any(|folder| folder.parse() == Ok(scene));
+    if !file.scenes().any(is_there) {
+        let scenes = file.scenes().map(|scene| scene.to_string()).collect::<Vec<_>>().join(", ");
+        return Err(ViewError::OtherScenes { file: path.to_owned(), scenes });
+    }
+    Ok(file)
 }

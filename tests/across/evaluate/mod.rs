@@ -17,7 +17,7 @@ use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
 
 /// The boxes of a scene as predictions of all of them, surer the earlier they stand.
-fn perfect(bench: &Bench) -> Vec<(&'static str, ArrayRef)> {
+pub(crate) fn perfect(bench: &Bench) -> Vec<(&'static str, ArrayRef)> {
     let file = File::open(bench.store().join("scenes/0000/boxes.parquet")).expect("is there");
     let reader = ParquetRecordBatchReaderBuilder::try_new(file).expect("is Parquet").with_batch_size(1 << 20);
     let batches: Vec<RecordBatch> =
@@ -50,7 +50,7 @@ fn perfect(bench: &Bench) -> Vec<(&'static str, ArrayRef)> {
     ]
 }
 
-fn write(folder: &Path, name: &str, columns: Vec<(&'static str, ArrayRef)>) -> PathBuf {
+pub(crate) fn write(folder: &Path, name: &str, columns: Vec<(&'static str, ArrayRef)>) -> PathBuf {
     let path = folder.join(name);
     let batch = RecordBatch::try_from_iter(columns).expect("is a table");
     let file = File::create(&path).expect("is created");

@@ -68,12 +68,12 @@ export class Decoder {
     return [{ rows: file.rows, columns, sensor: file.note('sensor') }, [...new Set(transfer)]]
   }
 
-  /** One reading of a lidar or radar: `position` (x, y, z in the sensor's frame, m) and `facts` (intensity, tag, id low, id high). */
+  /** One reading of a lidar or radar: `position` (x, y, z in the sensor's frame, m), `facts` (intensity, tag, id low, id high), a radar's `speed` (m/s). */
   async points(request) {
     const file = await this.open(ParquetFile, request)
     const isRadar = file.columns.has('depth')
     const { group, row } = file.locate(request.row)
-    const wanted = isRadar ? ['depth', 'altitude', 'azimuth', 'id', 'tag'] : ['x', 'y', 'z', 'intensity', 'id', 'tag']
+    const wanted = isRadar ? ['depth', 'altitude', 'azimuth', 'velocity', 'id', 'tag'] : ['x', 'y', 'z', 'intensity', 'id', 'tag']
     const columns = await file.readGroup(group, wanted)
     const starts = offsets(columns[wanted[0]], Number(file.groups[group].num_rows))
     const [from, to] = [starts[row], starts[row + 1]]
@@ -110,7 +110,10 @@ export class Decoder {
         facts[4 * i + 3] = id[i] >> 8
       }
     }
-    return [{ count, position, facts, tags: tags >>> 0, bytes: 16 * count }, [position.buffer, facts.buffer]]
+    // A copy: what lies in the page of the file is not handed over.
+    const speed = isRadar ? Float32Array.from(take('velocity') ?? []) : null
+    const transfer = [position.buffer, facts.buffer, ...speed ? [speed.buffer] : []]
+    return [{ count, position, facts, speed, tags: tags >>> 0, bytes: (speed ? 20 : 16) * count }, transfer]
   }
 
   /** One picture: as it is, or what `show` makes of it (`mask`: things by id, transparent elsewhere; `instance`, `depth`). */

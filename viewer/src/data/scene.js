@@ -34,7 +34,7 @@ export class SceneTables {
       one.id = id[row]
       one.poses[frame[row]] = {
         matrix: poseMatrix(xyz.subarray(3 * row, 3 * row + 3), quaternion.subarray(4 * row, 4 * row + 4), this.origin),
-        speed: Math.hypot(...velocity.subarray(3 * row, 3 * row + 3)),
+        velocity: velocity.slice(3 * row, 3 * row + 3),
       }
     }
     this.boxRows = new Map()
@@ -70,6 +70,28 @@ export class SceneTables {
     const boxes = (this.boxRows.get(at) ?? []).map(row => this.box(row))
     this.last = { frame: at, boxes }
     return boxes
+  }
+
+  /** Ids of a frame's boxes with who saw each. */
+  seenAt(frame) {
+    const { id, seen_by: seen } = this.boxes
+    const starts = this.seenStarts
+    return (this.boxRows.get(frame) ?? []).map(row => ({ id: id[row], seenBy: starts ? seen.slice(starts[row], starts[row + 1]) : [] }))
+  }
+
+  /** Where agents are at a frame: name to x, y, z, relative to the scene's origin. */
+  placesAt(frame) {
+    return new Map(this.agents.map(agent => [agent.name, [12, 13, 14].map(i => this.poseAt(agent, frame).matrix.elements[i])]))
+  }
+
+  /** The frame nearest to another one whose lists have an object, or null. */
+  frameOf(id, near) {
+    let best = null
+    for (const [frame, rows] of this.boxRows) {
+      if (best !== null && Math.abs(best - near) <= Math.abs(frame - near)) continue
+      if (rows.some(row => this.boxes.id[row] === id)) best = frame
+    }
+    return best
   }
 
   box(row) {

@@ -10,9 +10,12 @@ import { BOX_EDGES, boxCorners, boxMatrix } from '../geometry.js'
 const SLOW_MPS = 0.3
 
 export class BoxLines {
-  constructor() {
-    this.material = new LineMaterial({ linewidth: 1.6, vertexColors: true })
-    this.strong = new LineMaterial({ linewidth: 3.2, vertexColors: true })
+  /** `dashed` lines are of boxes that a model found. */
+  constructor({ dashed = false } = {}) {
+    const dashes = dashed ? { dashed, dashSize: 0.5, gapSize: 0.3 } : {}
+    this.dashed = dashed
+    this.material = new LineMaterial({ linewidth: 1.6, vertexColors: true, ...dashes })
+    this.strong = new LineMaterial({ linewidth: 3.2, vertexColors: true, ...dashes })
     this.all = new LineSegments2(new LineSegmentsGeometry(), this.material)
     this.chosen = new LineSegments2(new LineSegmentsGeometry(), this.strong)
     this.objects = [this.all, this.chosen]
@@ -54,6 +57,7 @@ export class BoxLines {
     lines.geometry = new LineSegmentsGeometry()
     lines.geometry.setPositions(places)
     lines.geometry.setColors(colors)
+    if (this.dashed) lines.computeLineDistances()
   }
 
   setSize(width, height) {

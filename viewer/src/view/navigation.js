@@ -102,6 +102,16 @@ export class Navigation {
     return true
   }
 
+  /** Turns to a place and stays as far from it as from what was looked at before, 60 m at most. */
+  lookAt(place) {
+    const { target } = this.controls
+    const back = this.camera.position.clone().sub(target).clampLength(8, 60)
+    target.set(...place)
+    this.camera.position.copy(target).add(back)
+    this.controls.update()
+    this.changed()
+  }
+
   /** Where the view stands, for links: camera and target relative to the scene's origin, m. */
   get pose() {
     return [...this.camera.position.toArray(), ...this.controls.target.toArray()].map(v => Math.round(v * 10) / 10)

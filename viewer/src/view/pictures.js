@@ -1,11 +1,15 @@
 // Pictures of cameras with what is drawn over them: masks, boxes of the scene and of the picture, ids.
 
+import { Vector3 } from 'three'
 import { css, idColor } from '../colors.js'
-import { BOX_EDGES, boxCorners, poseMatrix } from '../geometry.js'
+import { BOX_EDGES, boxCorners, boxMatrix, poseMatrix } from '../geometry.js'
 import { edgeInPicture, projector } from '../lens.js'
+import { boxName } from '../ui.js'
 
 /** Boxes farther away than this are not drawn into pictures, m. */
-const FAR_M = 120
+export const FAR_M = 120
+/** Farther away than this a box is too short to reach the camera, m. */
+const NEAR_M = 15
 /** What is made of the pixels of each kind of image. */
 export const SHOWN_AS = { RGB: 'plain', SEG: 'plain', IST: 'instance', DPT: 'depth' }
 
@@ -24,7 +28,7 @@ export function pictureElement(label) {
 }
 
 /** Draws a camera's picture at most `width` wide. Gives false where it has been overtaken by another frame. */
-export async function drawCamera(element, { scene, agent, kind, camera, frame, width, marks, boxes, classColor, chosen, isCurrent }) {
+export async function drawCamera(element, { scene, agent, kind, camera, frame, width, marks, boxes, colorOf, classColor, chosen, isCurrent }) {
   const { canvas, message } = element
   try {
     const about = await scene.sensor(agent.name, `${kind}-${camera}`)
@@ -47,7 +51,7 @@ export async function drawCamera(element, { scene, agent, kind, camera, frame, w
     context.lineJoin = 'round'
     // A pixel of the screen in the picture's own.
     const unit = image.width / (canvas.clientWidth || picture.width)
-    if (marks.has('boxes')) drawBoxes(context, { scene, agent, about, frame, boxes, classColor, chosen, unit, withNames: marks.has('names') })
+    if (marks.has('boxes')) drawBoxes(context, { scene, agent, about, frame, boxes, colorOf, chosen, unit, withNames: marks.has('names') })
     for (const box of inPicture) {
       context.lineWidth = 1.5 * unit
       context.setLineDash([])
@@ -63,10 +67,11 @@ export async function drawCamera(element, { scene, agent, kind, camera, frame, w
   }
 }
 
-function drawBoxes(context, { scene, agent, about, frame, boxes, classColor, chosen, unit, withNames }) {
+function drawBoxes(context, { scene, agent, about, frame, boxes, colorOf, chosen, unit, withNames }) {
   const { translation, quaternion } = about.agent_from_sensor
   const pose = scene.tables.poseAt(agent, frame).matrix
   const cameraFromWorld = pose.clone().multiply(poseMatrix(translation, quaternion)).invert()
+  const eye = new Vector3().setFromMatrixPosition(cameraFromWorld.clone().invert())
   const project = projector(about)
   const model = about.lens?.model ?? 'pinhole'
   const rule = { isStraight: model === 'pinhole', behindIsSeen: model === 'fisheye' }
@@ -77,12 +82,14 @@ function drawBoxes(context, { scene, agent, about, frame, boxes, classColor, cho
     const middle = corners[0].clone().add(corners[7]).multiplyScalar(0.5)
     const distance = middle.length()
     if (distance > FAR_M || (!rule.behindIsSeen && corners.every(c => c.z < 0.1))) continue
+    if (distance < NEAR_M && isInside(eye, box)) continue
     seen.push({ box, corners, distance })
   }
   seen.sort((a, b) => b.distance - a.distance)
   for (const { box, corners } of seen) {
     const isChosen = box.id === chosen
-    context.strokeStyle = css(classColor(box.class))
+    context.strokeStyle = css(colorOf(box))
+    context.setLineDash(box.isPrediction ? [6 * unit, 4 * unit] : [])
     context.lineWidth = (isChosen ? 3.5 : 1.6) * unit
     context.beginPath()
     let top = null
@@ -100,8 +107,14 @@ function drawBoxes(context, { scene, agent, about, frame, boxes, classColor, cho
     add(corners[4], corners[7])
     add(corners[5], corners[6])
     context.stroke()
-    if (top && (withNames || isChosen)) name(context, `${box.class.replaceAll('_', ' ')} ${box.id}`, top[0], top[1], unit)
+    if (top && (withNames || isChosen)) name(context, boxName(box), top[0], top[1], unit)
   }
+}
+
+/** Whether a camera stands in a box, or on it: then that is its own vehicle, as somebody predicted it. */
+function isInside(eye, box) {
+  const at = eye.clone().applyMatrix4(boxMatrix(box.center, box.rpy).invert())
+  return [at.x, at.y, at.z].every((v, i) => Math.abs(v) < 0.5 * box.size[i] + 0.5)
 }
 
 function name(context, text, u, v, unit) {
@@ -128,7 +141,7 @@ async function boxesInPicture(scene, agent, camera, frame) {
 }
 
 /** Draws an agent's BEV masks, on request with boxes over them. */
-export async function drawBev(element, { scene, agent, frame, hidden, boxes, classColor, withBoxes, theme, isCurrent }) {
+export async function drawBev(element, { scene, agent, frame, hidden, boxes, colorOf, withBoxes, theme, isCurrent }) {
   const { canvas, message } = element
   try {
     const request = await scene.bevRequest(agent.name, frame, hidden)
@@ -145,7 +158,7 @@ export async function drawBev(element, { scene, agent, frame, hidden, boxes, cla
     context.drawImage(masks.picture, 0, 0, side, side)
     const pixelsPerMeter = side / (masks.rows * about.cell_m)
     const pose = scene.tables.poseAt(agent, frame).matrix
-    if (withBoxes) bevBoxes(context, { pose, boxes, classColor, side, pixelsPerMeter, text: theme.text })
+    if (withBoxes) bevBoxes(context, { pose, boxes, colorOf, side, pixelsPerMeter, text: theme.text })
     bevAgent(context, side, pixelsPerMeter, theme)
     return { masks, about }
   } catch (error) {
@@ -154,14 +167,17 @@ export async function drawBev(element, { scene, agent, frame, hidden, boxes, cla
   }
 }
 
-function bevBoxes(context, { pose, boxes, side, pixelsPerMeter, text }) {
+function bevBoxes(context, { pose, boxes, colorOf, side, pixelsPerMeter, text }) {
   // The masks turn with the agent's yaw only.
   const e = pose.elements
   const yaw = Math.atan2(e[1], e[0])
   const [sin, cos] = [Math.sin(yaw), Math.cos(yaw)]
-  context.strokeStyle = text
-  context.lineWidth = Math.max(1, side / 700)
+  const width = Math.max(1, side / 700)
   for (const box of boxes) {
+    // Masks have the classes' colours already: boxes are coloured only where something else is asked.
+    context.strokeStyle = colorOf ? css(colorOf(box)) : text
+    context.lineWidth = colorOf ? 2 * width : width
+    context.setLineDash(box.isPrediction ? [5 * width, 3 * width] : [])
     const corners = boxCorners(box)
     context.beginPath()
     for (const [i, corner] of [0, 2, 6, 4].entries()) {
@@ -174,6 +190,7 @@ function bevBoxes(context, { pose, boxes, side, pixelsPerMeter, text }) {
     context.closePath()
     context.stroke()
   }
+  context.setLineDash([])
 }
 
 /** The agent in the middle, and a scale. */

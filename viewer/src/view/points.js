@@ -1,15 +1,16 @@
 // Points of one sensor reading; colours are chosen on the graphics card.
 
-import { BufferAttribute, BufferGeometry, DataTexture, NearestFilter, Points, ShaderMaterial, Vector2, Vector3 } from 'three'
+import { BufferAttribute, BufferGeometry, DataTexture, LineBasicMaterial, LineSegments, NearestFilter, Points, Quaternion, ShaderMaterial, Vector2, Vector3 } from 'three'
 import { GOLDEN, bytesOf, rampBytes, readable } from '../colors.js'
 
-export const COLORINGS = ['height', 'tag', 'id', 'intensity', 'agent']
+export const COLORINGS = ['height', 'tag', 'id', 'intensity', 'agent', 'plain']
 
 const VERTEX = `
 uniform int coloring;
 uniform float size;
 uniform vec2 heights;
 uniform vec3 agentColor;
+uniform vec3 plain;
 uniform sampler2D ramp;
 uniform sampler2D tags;
 attribute vec4 facts;
@@ -35,8 +36,10 @@ void main() {
     color = id < 0.5 ? vec3(0.5) : hsv(fract(id * ${GOLDEN}), 0.55 + 0.15 * mod(id, 3.0), 0.95);
   } else if (coloring == 3) {
     color = texture2D(ramp, vec2(sqrt(facts.x / 255.0) * 0.996 + 0.002, 0.5)).rgb;
-  } else {
+  } else if (coloring == 4) {
     color = agentColor;
+  } else {
+    color = plain;
   }
 }`
 
@@ -55,13 +58,19 @@ function texture(bytes, width) {
   return made
 }
 
+/** Radar readings of what moves slower than this over ground along their ray have no line, m/s: the radar's own turning is left out. */
+const SLOW_MPS = 1
+/** Towards the radar, and away from it. */
+const TOWARDS = [0.96, 0.42, 0.2]
+const AWAY = [0.3, 0.6, 0.95]
+
 /** Settings that all points share: `set` changes them everywhere. */
 export class PointStyle {
   constructor(tags) {
     this.tags = tags
     this.shared = {
       coloring: { value: 0 }, size: { value: 1.5 }, heights: { value: new Vector2(-2, 8) },
-      ramp: { value: texture(rampBytes(), 256) }, tags: { value: null },
+      ramp: { value: texture(rampBytes(), 256) }, tags: { value: null }, plain: { value: new Vector3() },
     }
     this.setTheme(true)
   }
@@ -71,6 +80,7 @@ export class PointStyle {
     this.tags.forEach(({ rgb }, tag) => bytes.set([...readable(rgb, isDark), 255], 4 * tag))
     this.shared.tags.value?.dispose()
     this.shared.tags.value = texture(bytes, 32)
+    this.shared.plain.value.setScalar(isDark ? 0.42 : 0.62)
   }
 }
 
@@ -84,11 +94,12 @@ export class PointCloud {
     this.object = new Points(new BufferGeometry(), material)
     this.object.frustumCulled = false
     this.object.matrixAutoUpdate = false
+    this.rays = null
     this.shown = null
   }
 
   /** Shows a reading at a pose. Buffers are kept and grow with the greatest reading. */
-  show(reading, matrix) {
+  show(reading, matrix, velocity) {
     this.object.visible = true
     this.object.matrix.copy(matrix)
     this.object.matrixWorldNeedsUpdate = true
@@ -103,6 +114,36 @@ export class PointCloud {
       attribute.needsUpdate = true
     }
     this.object.geometry.setDrawRange(0, reading.count)
+    this.showSpeeds(reading, matrix, velocity)
+  }
+
+  /** Lines along a radar's rays, as long as a second's way over ground; `velocity` is the agent's in the world, m/s. */
+  showSpeeds({ count, position, speed }, matrix, velocity) {
+    if (!speed?.length && !this.rays) return
+    if (!this.rays) {
+      this.rays = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ vertexColors: true }))
+      this.rays.frustumCulled = false
+      this.object.add(this.rays)
+    }
+    const own = new Vector3(...velocity).applyQuaternion(new Quaternion().setFromRotationMatrix(matrix).invert())
+    const [places, colors] = [[], []]
+    for (let i = 0; speed && i < count; i++) {
+      const at = position.subarray(3 * i, 3 * i + 3)
+      const distance = Math.hypot(...at)
+      if (!(distance > 0)) continue
+      // What is measured is relative to the radar.
+      const overGround = speed[i] + (own.x * at[0] + own.y * at[1] + own.z * at[2]) / distance
+      if (Math.abs(overGround) < SLOW_MPS) continue
+      const along = 1 + overGround / distance
+      places.push(...at, along * at[0], along * at[1], along * at[2])
+      const color = overGround < 0 ? TOWARDS : AWAY
+      colors.push(...color, ...color)
+    }
+    this.rays.geometry.dispose()
+    const geometry = new BufferGeometry()
+    geometry.setAttribute('position', new BufferAttribute(new Float32Array(places), 3))
+    geometry.setAttribute('color', new BufferAttribute(new Float32Array(colors), 3))
+    this.rays.geometry = geometry
   }
 
   grow(capacity) {
@@ -119,6 +160,8 @@ export class PointCloud {
   }
 
   dispose() {
+    this.rays?.geometry.dispose()
+    this.rays?.material.dispose()
     this.object.geometry.dispose()
     this.object.material.dispose()
     this.object.removeFromParent()

@@ -4,7 +4,9 @@ import { Color, ColorManagement, GridHelper, Group, LinearSRGBColorSpace, Perspe
 import { agentColor, bytesOf, idColor, readable } from '../colors.js'
 import { poseMatrix, rayMeetsBox } from '../geometry.js'
 import { BoxLines } from './boxes.js'
+import { Links } from './links.js'
 import { TrackLines, mapLines } from './lines.js'
+import { Measure, placeUnder } from './measure.js'
 import { Navigation } from './navigation.js'
 import { Overlay } from './overlay.js'
 import { COLORINGS, PointCloud, PointStyle } from './points.js'
@@ -40,11 +42,14 @@ export class View3d {
     this.navigation = new Navigation(this.camera, canvas, changed)
     this.style = new PointStyle(tags)
     this.boxes = new BoxLines()
+    this.predicted = new BoxLines({ dashed: true })
+    this.links = new Links()
+    this.measure = new Measure()
     this.tracks = new TrackLines()
     this.voxels = new VoxelFaces(this.style)
     this.clouds = new Map()
     this.static = new Group()
-    this.graph.add(...this.boxes.objects, this.tracks.object, this.voxels.object, this.static)
+    this.graph.add(...this.boxes.objects, ...this.predicted.objects, ...this.links.objects, this.tracks.object, this.voxels.object, this.static)
     this.labelList = []
     this.setTheme(true)
   }
@@ -69,7 +74,8 @@ export class View3d {
     for (const cloud of this.clouds.values()) cloud.dispose()
     this.clouds.clear()
     this.voxels.hide()
-    this.boxes.show([], () => [0, 0, 0], null)
+    for (const boxes of [this.boxes, this.predicted]) boxes.show([], () => [0, 0, 0], null)
+    this.links.show([], [], null)
     this.tracks.set([], () => [0, 0, 0])
     this.elements = null
     this.drawMap()
@@ -95,7 +101,7 @@ export class View3d {
   }
 
   /** Points of an agent, each sensor one cloud: `readings` are `{reading, about}`. */
-  setPoints(agent, index, worldFromAgent, readings) {
+  setPoints(agent, index, { matrix: worldFromAgent, velocity }, readings) {
     readings.forEach(({ reading, about }, i) => {
       const key = `${agent}/${i}`
       let cloud = this.clouds.get(key)
@@ -104,7 +110,7 @@ export class View3d {
         this.graph.add(cloud.object)
       }
       const { translation, quaternion } = about.agent_from_sensor
-      cloud.show(reading, worldFromAgent.clone().multiply(poseMatrix(translation, quaternion)))
+      cloud.show(reading, worldFromAgent.clone().multiply(poseMatrix(translation, quaternion)), velocity)
     })
     this.hidePoints(agent, readings.length)
   }
@@ -117,7 +123,7 @@ export class View3d {
   }
 
   /** Everything that follows from choices and the frame, points and voxels apart. */
-  update({ coloring, pointSize, layers, frame, groundZ, place, boxes, colorOf, chosen, labels }) {
+  update({ coloring, pointSize, layers, frame, groundZ, place, boxes, colorOf, chosen, labels, links, pairs, ring }) {
     const { shared } = this.style
     this.setColoring(coloring)
     shared.size.value = pointSize * this.renderer.getPixelRatio()
@@ -128,8 +134,18 @@ export class View3d {
     this.tracks.object.visible = layers.has('tracks')
     this.tracks.setFrame(frame)
     this.shownBoxes = boxes
-    this.boxes.show(boxes, colorOf, chosen)
-    this.labelList = labels
+    this.boxes.show(boxes.filter(b => !b.isPrediction), colorOf, chosen)
+    this.predicted.show(boxes.filter(b => b.isPrediction), colorOf, chosen)
+    this.groundZ = groundZ
+    const { text } = this.theme
+    this.links.show(links, pairs, ring, this.measure.line(bytesOf(text)))
+    this.labelList = [...this.measure.labels(text), ...labels]
+  }
+
+  /** A click while measuring. */
+  measureAt(clientX, clientY) {
+    const area = this.renderer.domElement.getBoundingClientRect()
+    this.measure.click(placeUnder({ camera: this.camera, area, clientX, clientY, clouds: this.clouds.values(), groundZ: this.groundZ }))
   }
 
   setColoring(coloring) {
@@ -157,10 +173,21 @@ export class View3d {
     this.renderer.setPixelRatio(ratio)
     this.renderer.setSize(width, height)
     this.overlay.resize(width, height, ratio)
-    this.boxes.setSize(width, height)
+    for (const lines of [this.boxes, this.predicted, this.links]) lines.setSize(width, height)
     this.camera.aspect = width / height
     this.camera.updateProjectionMatrix()
     return true
+  }
+
+  /** The picture on the screen with its labels, as PNG. */
+  picture() {
+    this.render()
+    const { domElement } = this.renderer
+    const canvas = Object.assign(document.createElement('canvas'), { width: domElement.width, height: domElement.height })
+    const context = canvas.getContext('2d')
+    context.drawImage(domElement, 0, 0)
+    context.drawImage(this.overlay.canvas, 0, 0, canvas.width, canvas.height)
+    return new Promise(resolve => canvas.toBlob(resolve, 'image/png'))
   }
 
   render() {

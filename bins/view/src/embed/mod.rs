@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use crate::error::ViewError;
 use crate::object::Object;
 use crate::site::Site;
-use crate::{listing, page};
+use crate::{listing, page, predictions};
 use table::{Columns, Points, Rows};
 
 /// What journals and mail let pass, bytes.
@@ -92,6 +92,7 @@ impl Excerpt {
         let mut pieces = cut.tables()?;
         pieces.extend(cut.masks()?);
         pieces.extend(cut.pictures()?);
+        pieces.extend(cut.predictions()?);
         let fixed = page::embedded(&[]).len() + encoded_len(&pieces) + (16 << 10);
         let room = LIMIT.checked_sub(fixed);
         let kind = if self.cameras.is_empty() { "frames or agents" } else { "cameras or frames" };
@@ -240,6 +241,26 @@ impl Cut<'_> {
         Ok(pieces)
     }
 
+    /// What a model found for the excerpt's agents at its frames, numbered from its first one on.
+    fn predictions(&self) -> Result<Option<Piece>, ViewError> {
+        if self.site.predictions().is_none() {
+            return Ok(None);
+        }
+        let mut found = predictions::of_scene(self.site, &self.folder)?;
+        if let Some(samples) = found["samples"].as_array_mut() {
+            samples.retain(|sample| {
+                let frame = sample["frame"].as_u64().unwrap_or(u64::MAX);
+                let is_within = (u64::from(self.frames.0)..u64::from(self.frames.1)).contains(&frame);
+                is_within && self.agents.iter().any(|agent| sample["agent"] == agent.as_str())
+            });
+            for sample in samples {
+                let frame = sample["frame"].as_u64().unwrap_or_default();
+                sample["frame"] = json!(frame - u64::from(self.frames.0));
+            }
+        }
+        Ok(Some((format!("api/predictions/{}.json", self.folder), found.to_string().into_bytes())))
+    }
+
     /// Lidar readings that fit into some bytes of base64, and of how many points one is kept.
     fn points(&self, room: usize) -> Result<(Vec<Piece>, usize), ViewError> {
         let tables: Vec<_> =
@@ -298,7 +319,13 @@ impl Cut<'_> {
         let dataset = listing::name(self.site).ok().flatten().unwrap_or_default();
         let lists = [
             ("api/names.json".to_owned(), listing::names()),
-            ("api/store.json".to_owned(), json!({ "name": dataset, "scenes": scenes, "excerpt": what })),
+            (
+                "api/store.json".to_owned(),
+                json!({
+                    "name": dataset, "scenes": scenes, "excerpt": what,
+                    "predictions": predictions::about(self.site),
+                }),
+            ),
             (
                 format!("api/scenes/{}.json", self.folder),
                 json!({ "info": info, "files": files, "map_bytes": map_bytes }),

@@ -6,6 +6,7 @@ use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
+use store::Manifest;
 use tempfile::TempDir;
 
 /// A running program over a small folder.
@@ -121,6 +122,35 @@ fn the_page_and_its_lists_are_served() {
         scene["files"].as_array().expect("is a list").iter().filter_map(|f| f[0].as_str()).collect();
     assert_eq!(listed, files);
     assert_eq!(scene["files"][2][1], 10);
+    assert!(index["predictions"].is_null());
+    let (status, body) = served.get("/api/predictions/0003.json");
+    assert_eq!(status, 404);
+    assert!(String::from_utf8_lossy(&body).contains("start with --predictions FILE"), "{body:?}");
+}
+
+/// What was made from another log than the one that is there is named, what was made from it is not.
+#[test]
+fn stages_of_another_log_are_named() {
+    let served = serve();
+    let folder = served._folder.path().join("store/scenes/0003/_manifests");
+    let manifest = |stage: &str, inputs: serde_json::Value| {
+        serde_json::json!({
+            "format_version": 1, "stage": stage, "code_version": "1", "config_hash": "0", "generation": 0,
+            "inputs": inputs, "outputs": [],
+        })
+    };
+    let write = |stage: &str, inputs: serde_json::Value| {
+        let text = manifest(stage, inputs).to_string();
+        fs::write(folder.join(format!("{stage}.json")), text).expect("is written");
+    };
+    let log: Manifest =
+        serde_json::from_value(manifest("simulate-and-log", serde_json::json!({}))).expect("is a manifest");
+    write("simulate-and-log", serde_json::json!({}));
+    write("bev-gt", serde_json::json!({ "simulate-and-log": "another" }));
+    write("render-sensors", serde_json::json!({ "simulate-and-log": log.digest() }));
+    let (status, body) = served.get("/api/scenes/0003.json");
+    let scene: serde_json::Value = serde_json::from_slice(&body).expect("is JSON");
+    assert_eq!((status, &scene["stale"]), (200, &serde_json::json!(["bev-gt"])));
 }
 
 #[test]
@@ -254,4 +284,16 @@ fn what_is_no_store_is_said() {
     let (code, text) = embed(&["--scene", "3", "--cameras", "CAM_FRONT"]);
     assert_eq!((code, text.as_str()), (Some(1), "error: none of vehicle_0 has pictures of CAM_FRONT\n"));
     assert!(!page.exists());
+    // Predictions that cannot be end it before anything is shown.
+    let bad = folder.path().join("bad.parquet");
+    fs::write(&bad, "no table").expect("is written");
+    let (none, results) = (folder.path().join("none.parquet"), folder.path().join("results.json"));
+    for (file, want) in
+        [(&bad, "is no readable Parquet file"), (&none, "cannot be read"), (&results, "nuScenes")]
+    {
+        let store = folder.path().join("store");
+        let output = run(&[store.as_os_str(), "--predictions".as_ref(), file.as_os_str()]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && said.contains(want), "{said}");
+    }
 }

@@ -1,0 +1,97 @@
+// Rules that need no browser: who hears and sees what, what predictions found, which boxes filters leave.
+//
+//     node --test test/rules.test.mjs
+
+import assert from 'node:assert/strict'
+import test from 'node:test'
+import { partnersOf, sightOf } from '../src/data/cooperation.js'
+import { ScenePredictions, resultsOf, tally } from '../src/data/predictions.js'
+import { sightings } from '../src/data/sightings.js'
+import { filtered } from '../src/filters.js'
+
+const places = new Map([['vehicle_0', [0, 0, 0]], ['vehicle_1', [80, 0, 0]], ['vehicle_2', [80, 0, 0.1]], ['rsu_0', [10, 0, 4.8]], ['rsu_1', [10, 0, 5]]])
+const limits = { range: 80, elevation: 4.8 }
+
+test('partners are near, at about the same height, and of the mode', () => {
+  const heard = partners => partnersOf('vehicle_0', places, { ...limits, partners }).filter(p => p.isHeard).map(p => p.name)
+  assert.deepEqual(heard('none'), [])
+  assert.deepEqual(heard('x2v'), ['vehicle_1'])
+  assert.deepEqual(heard('x2i'), ['rsu_0'])
+  assert.deepEqual(heard('x2x'), ['vehicle_1', 'rsu_0'])
+  const reach = partnersOf('vehicle_0', places, { ...limits, partners: 'none' }).filter(p => p.isInReach).map(p => p.name)
+  assert.deepEqual(reach, ['vehicle_1', 'rsu_0'])
+})
+
+test('the ego comes first among those who see', () => {
+  const partners = partnersOf('vehicle_0', places, { ...limits, partners: 'x2v' })
+  const sight = (...seenBy) => sightOf({ seenBy }, 'vehicle_0', partners)
+  assert.equal(sight('vehicle_0', 'vehicle_1'), 'ego')
+  assert.equal(sight('vehicle_1', 'rsu_0'), 'partners')
+  assert.equal(sight('rsu_0', 'vehicle_2'), 'nobody')
+  assert.equal(sight(), 'nobody')
+})
+
+test('events are first sights, but those of the first frame', () => {
+  const seen = [
+    [{ id: 1, seenBy: ['vehicle_1'] }, { id: 2, seenBy: ['vehicle_0'] }],
+    [{ id: 1, seenBy: ['vehicle_1'] }, { id: 3, seenBy: ['vehicle_1'] }, { id: 4, seenBy: ['vehicle_2'] }],
+    [{ id: 1, seenBy: ['vehicle_0', 'vehicle_1'] }, { id: 2, seenBy: ['vehicle_1'] }, { id: 5, seenBy: ['vehicle_0'] }],
+  ]
+  const tables = { boxRows: new Map(seen.map((_, frame) => [frame, []])), placesAt: () => places, seenAt: frame => seen[frame] }
+  assert.deepEqual(sightings(tables, 'vehicle_0', { ...limits, partners: 'x2x' }), [
+    { frame: 1, kind: 'partners', ids: [3] }, { frame: 2, kind: 'ego', ids: [1] },
+  ])
+})
+
+/** Two cars and a pedestrian; one car is found within 2 m by the surer prediction, the other within 4 m. */
+const told = {
+  every_n_frames: 1,
+  samples: [
+    {
+      frame: 0, agent: 'vehicle_0', mode: 'x2x', targets: [7, 9, 3], target_classes: [0, 0, 1], classes: [0, 0, 1], scores: [0.9, 0.4, 0.6],
+      centers_m: [[100, 0, 0], [110, 0, 0], [130, 0, 0]], sizes_m: [[4, 2, 1], [4, 2, 1], [1, 1, 2]], yaws_rad: [0, 0, 0],
+      found: [[7, 7, 7, 7], [0, 0, 0, 9], [0, 0, 0, 0]],
+    },
+    { frame: 1, agent: 'vehicle_0', mode: 'x2x', targets: [7], target_classes: [0], classes: [], scores: [], centers_m: [], sizes_m: [], yaws_rad: [], found: [] },
+  ],
+}
+const predictions = new ScenePredictions(told, [100, 0, 0], ['car', 'pedestrian'])
+
+test('what was found follows from score and threshold', () => {
+  const sample = predictions.at(0, 'vehicle_0', 'x2x')
+  assert.deepEqual(sample.boxes[1].center, [10, 0, 0])
+  const all = rule => tally([sample], rule).all
+  assert.deepEqual(all({ score: 0, threshold: 2 }), { found: 1, missed: 2, false: 2 })
+  assert.deepEqual(all({ score: 0, threshold: 3 }), { found: 2, missed: 1, false: 1 })
+  assert.deepEqual(all({ score: 0.5, threshold: 3 }), { found: 1, missed: 2, false: 1 })
+  assert.deepEqual(all({ score: 0.95, threshold: 3 }), { found: 0, missed: 3, false: 0 })
+  const { targets, predictions: boxes } = resultsOf(sample, { score: 0, threshold: 2 })
+  assert.deepEqual([...targets], [[7, 'found'], [9, 'missed'], [3, 'missed']])
+  assert.deepEqual(boxes.map(b => b.result), ['right', 'false', 'false'])
+  assert.deepEqual(tally([sample], { score: 0, threshold: 2 }).byClass.get('pedestrian'), { found: 0, missed: 1, false: 1 })
+})
+
+test('the worst frames come first, and the best score is that of the best F1', () => {
+  const worst = predictions.worst('x2x', { score: 0, threshold: 2 }, 5)
+  assert.deepEqual(worst.map(w => [w.sample.frame, w.missed, w.false]), [[0, 2, 2], [1, 1, 0]])
+  assert.deepEqual(predictions.worst('none', { score: 0, threshold: 2 }, 5), [])
+  // One of four right from 0.9 on: F1 = 2/5. With all three and 4 m: 4/7.
+  assert.equal(predictions.bestScore('x2x', 2), 0.9)
+  assert.equal(predictions.bestScore('x2x', 3), 0.4)
+  assert.equal(predictions.at(5, 'vehicle_0', 'x2x'), undefined)
+})
+
+test('filters leave the chosen one', () => {
+  const box = { id: 1, class: 'car', center: [30, 40, 0], lidarPoints: 3, radarPoints: 1, difficulty: 'hard', isValid: false }
+  const choices = { hidden: new Set(), valid: false, ask: 'scene', within: '', points: 0, levels: new Set(['hard']) }
+  const passes = (change, always = []) => filtered([box], { ...choices, ...change }, { here: [0, 0], always: new Set(always) }).length === 1
+  assert.ok(passes({}))
+  assert.ok(!passes({ hidden: new Set(['car']) }))
+  assert.ok(passes({ within: '50' }) && !passes({ within: '25' }) && passes({ within: '25' }, [1]))
+  assert.ok(passes({ points: 4 }) && !passes({ points: 5 }))
+  assert.ok(!passes({ levels: new Set(['easy']) }))
+  const isLeft = share => filtered([box], { ...choices, occluded: '0.5' }, { here: [0, 0], always: new Set(), occlusionOf: () => share }).length === 1
+  assert.ok(isLeft(0.5) && !isLeft(0.6) && !isLeft(undefined))
+  // Only where a question wants to know what nobody saw.
+  assert.ok(!passes({ valid: true }) && passes({ valid: true, ask: 'partners' }))
+})
