@@ -92,6 +92,9 @@ class Store(unittest.TestCase):
             self.assertFalse(torch.equal(whole["model"]["heat.1.weight"], other["model"]["heat.1.weight"]))
             with self.assertRaisesRegex(ValueError, "another run"):
                 train(self.dataset, SMALL, paths[0], mode="none", seed=3, say=False)
+            torch.save({name: part for name, part in whole.items() if name != "version"}, paths[2])
+            with self.assertRaisesRegex(ValueError, "version 1, this build reads 2: train anew"):
+                load(paths[2], CPU)
             paths[1].write_bytes(paths[1].read_bytes()[:1000])
             with self.assertRaisesRegex(ValueError, "no checkpoint"):
                 train(self.dataset, SMALL, paths[1], mode="x2x", seed=3, say=False)

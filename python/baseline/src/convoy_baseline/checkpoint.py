@@ -13,6 +13,9 @@ import torch
 from convoy_baseline.model import Model
 from convoy_baseline.settings import Settings, parse
 
+VERSION = 2
+"""Of what a checkpoint holds: another one is of another build, whose models have other parts."""
+
 
 @dataclass
 class Run:
@@ -42,9 +45,18 @@ class Run:
         return {name: known[name] for name in ("settings", "mode", "seed", "spoil", "masks")}
 
 
+class WrongVersion(ValueError):
+    """A checkpoint of another build."""
+
+
 def save(path: pathlib.Path, run: Run, model: Model, optimiser: torch.optim.Optimizer) -> None:
     """Writes it beside, then puts it in place."""
-    state = {"run": dataclasses.asdict(run), "model": model.state_dict(), "optimiser": optimiser.state_dict()}
+    state = {
+        "version": VERSION,
+        "run": dataclasses.asdict(run),
+        "model": model.state_dict(),
+        "optimiser": optimiser.state_dict(),
+    }
     path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_name(path.name + ".new")
     with open(beside, "wb") as file:
@@ -58,10 +70,15 @@ def load(path: pathlib.Path, device: torch.device) -> tuple[Run, dict[str, Any]]
     """The run, and states of model and optimiser."""
     try:
         state = torch.load(path, map_location=device, weights_only=True)
+        if state.get("version", 1) != VERSION:
+            raise WrongVersion(
+                f"{path} is a checkpoint of version {state.get('version', 1)}, this build reads {VERSION}: train anew into another file, "
+                "or predict with the build that made it"
+            )
         run = dict(state["run"])
         settings = parse(run.pop("settings"), str(path))
         return Run(settings, masks=tuple(run.pop("masks")), **run), state
-    except (KeyError, TypeError, EOFError, RuntimeError) as fault:
+    except (KeyError, TypeError, AttributeError, EOFError, RuntimeError) as fault:
         raise ValueError(f"{path} is no checkpoint ({fault}): remove it to begin again") from fault
 
 

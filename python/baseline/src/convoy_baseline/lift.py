@@ -1,5 +1,5 @@
 """Pictures as features of the ground: each pixel's feature is spread along its ray by a guess of its depth (Philion and Fidler, "Lift,
-Splat, Shoot", ECCV 2020)."""
+Splat, Shoot", ECCV 2020). Places and sums are f32 under autocast, too."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from torch import nn
 from convoy_baseline.grid import Grid
 from convoy_baseline.inputs import Inputs
 from convoy_baseline.layers import block
+from convoy_baseline.sums import Splat
 
 STRIDE = 8
 """Pixels of a picture to one of its features, along either side."""
@@ -39,9 +40,11 @@ class Lift(nn.Module):
         """All of them; what lies outside a view's grid is lost."""
         said = self.said(self.encoder(inputs.pictures.float() / 255 - 0.5))
         bins = len(self.depths_m)
-        depth, features = said[:, :bins].softmax(dim=1), said[:, bins:]
-        places = frustum(inputs.intrinsics, inputs.view_from_optical, self.depths_m, *said.shape[2:])
-        splat = splatted(depth, features, cells(places, self.grid), inputs.picture_view, len(inputs.rasters), self.grid)
+        with torch.autocast(said.device.type, enabled=False):
+            depth, features = said[:, :bins].float().softmax(dim=1), said[:, bins:].float()
+            places = frustum(inputs.intrinsics, inputs.view_from_optical, self.depths_m, *said.shape[2:])
+            cell = cells(places, self.grid)
+            splat = splatted(depth, features, cell, inputs.picture_view, len(inputs.rasters), self.grid)
         ground: torch.Tensor = self.ground(splat)
         return ground
 
@@ -76,10 +79,7 @@ def cells(places: torch.Tensor, grid: Grid) -> torch.Tensor:
 def splatted(
     depth: torch.Tensor, features: torch.Tensor, cell: torch.Tensor, view: torch.Tensor, views: int, grid: Grid
 ) -> torch.Tensor:
-    """Sums of features (P, C, rows, columns), each as much as depth (P, D, rows, columns) says, over cells."""
-    of_view = cell + view.view(-1, 1, 1, 1) * grid.cells**2
-    kept = (cell >= 0).flatten()
-    spread = torch.einsum("pdrc,pfrc->pdrcf", depth, features).flatten(0, 3)
-    ground = features.new_zeros(views * grid.cells**2, features.shape[1])
-    ground = ground.index_add(0, of_view.flatten()[kept], spread[kept])
+    """Sums of features (P, C, rows, columns), each as much as depth (P, D, rows, columns) says, over cells: f32."""
+    of_view = torch.where(cell >= 0, cell + view.view(-1, 1, 1, 1) * grid.cells**2, -1)
+    ground: torch.Tensor = Splat.apply(depth.float(), features.float(), of_view, views * grid.cells**2)  # type: ignore[no-untyped-call]
     return ground.view(views, grid.cells, grid.cells, -1).permute(0, 3, 1, 2)

@@ -46,4 +46,5 @@ def missed(logits: torch.Tensor, masks: torch.Tensor) -> torch.Tensor:
     there = masks.sum(dim=(0, 2, 3))
     both = (chance * masks).sum(dim=(0, 2, 3))
     dice = (2 * both + 1) / (chance.sum(dim=(0, 2, 3)) + there + 1)
-    return ((1 - dice) * (there > 0)).sum() / (there > 0).sum().clamp(min=1)
+    mean: torch.Tensor = ((1 - dice) * (there > 0)).sum() / (there > 0).sum().clamp(min=1)
+    return mean

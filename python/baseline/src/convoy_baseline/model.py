@@ -14,7 +14,7 @@ from convoy_baseline.lift import Lift
 from convoy_baseline.raster import CHANNELS, unpack
 from convoy_baseline.settings import Settings
 from convoy_baseline.targets import NUMBERS
-from convoy_baseline.warp import warp
+from convoy_baseline.warp import reach, warp
 
 RARE = -4.0
 """First guess of heat maps and masks as a logit: nearly nothing is anywhere."""
@@ -54,11 +54,21 @@ class Model(nn.Module):
     def fused(self, features: torch.Tensor, wiring: Wiring) -> torch.Tensor:
         """(E, C, h, w): what each ego knows, of its own view and of those that it hears."""
         own = features[wiring.ego_view]
-        if not len(wiring.link_view):
-            together: torch.Tensor = self.fusion([one[None] for one in own])
-            return together
-        moved = warp(features[wiring.link_view], wiring.ego_from_view, self.half_m)
-        together = self.fusion([torch.cat([own[e, None], moved[wiring.link_ego == e]]) for e in range(len(own))])
+        egos, links = len(own), wiring.link_ego
+        # Slots of each ego: its own view first, then those that it hears, in the order of links.
+        counts = torch.bincount(links, minlength=egos)
+        slots = 1 + (int(counts.max()) if len(links) else 0)
+        views = own.new_zeros(egos, slots, *own.shape[1:])
+        known = torch.zeros(egos, slots, *own.shape[2:], dtype=torch.bool, device=own.device)
+        views[:, 0], known[:, 0] = own, True
+        if len(links):
+            order = torch.sort(links, stable=True).indices
+            of = links[order]
+            slot = 1 + torch.arange(len(of), device=of.device) - (counts.cumsum(0) - counts)[of]
+            poses = wiring.ego_from_view[order]
+            views[of, slot] = warp(features[wiring.link_view[order]], poses, self.half_m)
+            known[of, slot] = reach(poses, self.half_m, *own.shape[2:])
+        together: torch.Tensor = self.fusion(views, known)
         return together
 
     def heads(self, fused: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:

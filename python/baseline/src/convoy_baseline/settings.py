@@ -21,7 +21,7 @@ class Settings:
     """Every key has a default: the small benchmark on two cores."""
 
     cells: int = 128
-    """Rows and columns of the ground that is looked at; a multiple of 4, and of 2 x `window` with axial attention."""
+    """Rows and columns of the ground that is looked at; a multiple of 4."""
     cell_m: float = 0.8
     sensors: tuple[str, ...] = ("lidar",)
     """By which agents see: lidars, cameras, or both."""
@@ -65,9 +65,8 @@ class Settings:
             raise ValueError("picture_height, picture_width: expected multiples of 8")
         if len(self.depth_m) != 2 or not 0 < self.depth_m[0] < self.depth_m[1] or self.depth_bins < 1:
             raise ValueError("expected depth_m of two ascending depths above 0; depth_bins from 1")
-        block = 2 * self.window if self.fusion == "axial" else 4
-        if self.cells % block or self.cells < 4:
-            raise ValueError(f"cells {self.cells}: expected a multiple of {block}")
+        if self.cells % 4 or self.cells < 4:
+            raise ValueError(f"cells {self.cells}: expected a multiple of 4")
         if not 0 <= self.drop_out < 1 or min(self.steps, self.frames_a_step, self.width, self.every) < 1:
             raise ValueError("expected drop_out from 0 to below 1; steps, frames_a_step, width and every from 1")
 
