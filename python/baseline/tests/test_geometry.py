@@ -5,7 +5,7 @@ import unittest
 import numpy as np
 import torch
 
-from convoy_baseline.examples import motion, turned
+from convoy_baseline.augment import motion, turned
 from convoy_baseline.grid import Grid
 from convoy_baseline.raster import CHANNELS, SLICES, rasterise, unpack
 from convoy_baseline.warp import reach, warp

@@ -10,11 +10,12 @@ from test_lift import view as camera_view
 
 from convoy_baseline import sums
 from convoy_baseline.batch import Link, wired
+from convoy_baseline.encoders.camera import Lift, splatted
+from convoy_baseline.encoders.pictures import Plain
 from convoy_baseline.examples import targets_of
 from convoy_baseline.frames import Truth
 from convoy_baseline.grid import Grid
 from convoy_baseline.inputs import gathered
-from convoy_baseline.lift import Lift, splatted
 from convoy_baseline.loss import loss
 from convoy_baseline.model import Model
 from convoy_baseline.settings import Settings
@@ -42,7 +43,7 @@ class Places(unittest.TestCase):
 
     def test_pictures_are_lifted_to_the_same_places_under_autocast(self):
         torch.manual_seed(0)
-        lift = Lift(GRID, (2.0, 58.0), 28, 4, 6).eval()
+        lift = Lift(GRID, (2.0, 58.0), 28, Plain(4), 6).eval()
         lift.ground = torch.nn.Identity()
         inputs = gathered([camera_view(10, 100, 250)])
         with torch.no_grad():
@@ -104,7 +105,7 @@ class Steps(unittest.TestCase):
             for _ in range(2):  # The loss before a step, and that after it.
                 with torch.autocast("cpu", torch.bfloat16, enabled=half):
                     said = model(inputs, wiring)
-                wrong = loss(*(part.float() for part in said), targets, settings)["all"]
+                wrong = loss(model, said, targets, settings)["all"]
                 optimiser.zero_grad()
                 wrong.backward()
                 optimiser.step()

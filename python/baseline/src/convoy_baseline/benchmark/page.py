@@ -61,7 +61,7 @@ def page(plan: Plan, trained: Sequence[Trained], spoilt: Sequence[tuple[str, Tra
         "## Masks",
         (
             "Intersection over union at a chance of 0.5, in per cent; cells of "
-            f"{plan.entries[0].settings.cell_m} m, in which what is thinner than half a cell is lost."
+            f"{plan.entries[0].settings.mask_grid.cell_m} m, in which what is thinner than half a cell is lost."
         ),
         _masks(plan, of),
     ]
