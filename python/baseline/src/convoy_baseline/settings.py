@@ -1,4 +1,4 @@
-"""What a model is and how it is trained: a TOML file, kept in every checkpoint. Every key has a default: the small benchmark on two cores."""
+"""What a model is and how it is trained: a TOML file, kept in every checkpoint. Every key has a default: those of the smallest model."""
 
 from __future__ import annotations
 

@@ -24,6 +24,7 @@ from convoy_baseline.frames import Keyframe, Keyframes
 from convoy_baseline.grid import Array
 from convoy_baseline.loss import loss
 from convoy_baseline.model import Model
+from convoy_baseline.pack import Packed
 from convoy_baseline.settings import Settings, check_mode, read_with_mode
 from convoy_baseline.spoil import SPOILS
 
@@ -71,13 +72,16 @@ def train(
     device: str = "cpu",
     workers: int = 0,
     start: pathlib.Path | None = None,
+    pack: pathlib.Path | None = None,
     stop_after: int | None = None,
     say: bool = True,
 ) -> Run:
     """Trains until all steps are done, or `stop_after` of this call, and keeps the model in `out`. It begins with weights of another
-    checkpoint, `start`, as far as they fit."""
+    checkpoint, `start`, as far as they fit, and reads keyframes of a `pack` if there is one."""
     on = torch.device(device)
-    keyframes = Keyframes(dataset, split, settings, keep=workers == 0)
+    keyframes = (
+        Packed(dataset, split, settings, pack) if pack else Keyframes(dataset, split, settings, keep=workers == 0)
+    )
     began_from = "" if start is None else digest(start)
     run = Run(settings, check_mode(mode), seed, spoil, began_from, keyframes.classes(), 0, 0.0)
     torch.manual_seed(seed)
@@ -154,6 +158,7 @@ def main(arguments: list[str] | None = None) -> int:
         help="a TOML file with a table [model], such as configs/models/small/coopdet3d-l.toml",
     )
     parser.add_argument("--start", type=pathlib.Path, help="a checkpoint whose weights it begins with, where they fit")
+    parser.add_argument("--pack", type=pathlib.Path, help="reads keyframes of what convoy_baseline.pack made")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--split", default="train")
     parser.add_argument("--device", default="cpu", choices=("cpu", "cuda"))
@@ -180,6 +185,7 @@ def main(arguments: list[str] | None = None) -> int:
             device=options.device,
             workers=options.workers,
             start=options.start,
+            pack=options.pack,
         )
     except (convoy.StoreError, ValueError, OSError) as fault:
         print(f"error: {fault}", file=sys.stderr)
