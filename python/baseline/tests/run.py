@@ -1,8 +1,8 @@
 """Runs the baseline's tests.
 
 Usage: python3 run.py [STORE]
-The store is one like that of `tests/across/python.rs`; without it, what needs one is skipped. Needs PyTorch (5 GB), which CI has not:
-exit code 77 says what was not looked at.
+The store is one like that of `tests/across/python.rs`; without it, what needs one is skipped. Needs PyTorch (5 GB) and scipy, which CI has not:
+exit code 77 says what was not looked at. With CONVOY_THOROUGH=1 all nine models learn a moment until they know it by heart: minutes.
 """
 
 import os
@@ -19,9 +19,10 @@ def main() -> int:
     sys.dont_write_bytecode = True
     sys.path[:0] = [str(HERE.parent / "src"), str(HERE.parents[1] / "src"), str(HERE)]
     try:
+        import scipy.optimize  # noqa: F401
         import torch
-    except ImportError:
-        print("skipped: PyTorch, for the baseline")
+    except ImportError as missing:
+        print(f"skipped: {missing.name}, for the baseline")
         return 77
     torch.set_num_threads(1)
     result = unittest.TextTestRunner(verbosity=1).run(unittest.defaultTestLoader.discover(str(HERE)))

@@ -5,11 +5,10 @@ import unittest
 import numpy as np
 import torch
 
-from convoy_baseline.examples import motion, turned
-from convoy_baseline.fusion import AxialFusion, MaxFusion
+from convoy_baseline.augment import motion, turned
 from convoy_baseline.grid import Grid
 from convoy_baseline.raster import CHANNELS, SLICES, rasterise, unpack
-from convoy_baseline.warp import warp
+from convoy_baseline.warp import reach, warp
 
 GRID = Grid(32, 2.0)
 
@@ -74,6 +73,8 @@ class Warps(unittest.TestCase):
         found = warp(torch.ones(1, 1, 32, 32), torch.from_numpy(pose(40.0, 0.0, 0.0)[None]), GRID.half_m)[0, 0]
         self.assertTrue((found[:12] == 1).all())
         self.assertTrue((found[12:] == 0).all())
+        there = reach(torch.from_numpy(pose(40.0, 0.0, 0.0)[None]), GRID.half_m, 32, 32)[0]
+        self.assertTrue(there[:12].all() and not there[12:].any())
 
 
 class Moves(unittest.TestCase):
@@ -88,36 +89,6 @@ class Moves(unittest.TestCase):
                 same = np.array_equal(turned(rasterise(points, GRID), turn, mirrored), rasterise(there, GRID))
                 self.assertTrue(same, (turn, mirrored))
                 self.assertTrue(np.allclose(move @ move.T, np.eye(4)))
-
-
-class Fusions(unittest.TestCase):
-    def test_the_greatest_wins_whoever_says_it(self):
-        stack = torch.randn(3, 4, 8, 8)
-        self.assertTrue(torch.equal(MaxFusion()([stack])[0], stack.max(dim=0).values))
-        self.assertTrue(torch.equal(MaxFusion()([stack])[0], MaxFusion()([stack.flip(0)])[0]))
-
-    def test_attention_sees_near_places_and_the_same_place_of_far_windows(self):
-        torch.manual_seed(1)
-        fusion = AxialFusion(8, 2, 4).eval()
-        stack = torch.randn(2, 8, 16, 16)
-        before = fusion([stack])
-        self.assertEqual(before.shape, (1, 8, 16, 16))
-        self.assertLess((before - fusion([stack.flip(0)])).abs().max(), 1e-5, "the order of views says nothing")
-        # What the partner says at (5, 6) reaches its own window at once and, from there, every place in two steps.
-        near_only = AxialFusion(8, 2, 4).eval()
-        torch.nn.init.zeros_(near_only.far.attention.out_proj.weight)
-        torch.nn.init.zeros_(near_only.far.attention.out_proj.bias)
-        other = stack.clone()
-        other[1, :, 5, 6] += 3 * torch.randn(8)
-        changed = ((near_only([stack]) - near_only([other])).abs().amax(dim=(0, 1)) > 1e-6).nonzero()
-        self.assertEqual(changed.amin(dim=0).tolist(), [4, 4])
-        self.assertEqual(changed.amax(dim=0).tolist(), [7, 7])
-        far_only = AxialFusion(8, 2, 4).eval()
-        torch.nn.init.zeros_(far_only.near.attention.out_proj.weight)
-        torch.nn.init.zeros_(far_only.near.attention.out_proj.bias)
-        changed = ((far_only([stack]) - far_only([other])).abs().amax(dim=(0, 1)) > 1e-6).nonzero()
-        self.assertEqual(set((changed[:, 0] % 4).tolist()), {1})
-        self.assertEqual(set((changed[:, 1] % 4).tolist()), {2})
 
 
 if __name__ == "__main__":

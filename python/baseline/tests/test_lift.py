@@ -5,11 +5,12 @@ import unittest
 import numpy as np
 import torch
 
-from convoy_baseline.examples import motion, moved_view, turned
+from convoy_baseline.augment import motion, moved_view, quarter, turned
+from convoy_baseline.encoders.camera import Lift, cells, frustum, splatted
+from convoy_baseline.encoders.pictures import STRIDE, Plain
 from convoy_baseline.frames import View
 from convoy_baseline.grid import Grid
 from convoy_baseline.inputs import gathered
-from convoy_baseline.lift import STRIDE, Lift, cells, frustum, splatted
 from convoy_baseline.pictures import Picture
 
 GRID = Grid(40, 1.0)
@@ -70,7 +71,7 @@ class Places(unittest.TestCase):
 
     def test_a_moved_view_lifts_to_moved_ground(self):
         torch.manual_seed(0)
-        lift = Lift(GRID, (2.0, 18.0), 16, 4, 6).eval()
+        lift = Lift(GRID, (2.0, 18.0), 16, Plain(4), 6).eval()
         lift.ground = torch.nn.Identity()  # Which is no symmetric one.
         # Off the edges of cells, where rounding would decide.
         plain = view(10, 100, 250)
@@ -79,7 +80,7 @@ class Places(unittest.TestCase):
             self.assertGreater((abs(before).sum(axis=1) > 0).sum(), 50)
             for turn in range(4):
                 for mirrored in (False, True):
-                    after = lift(gathered([moved_view(plain, turn, mirrored)])).numpy()
+                    after = lift(gathered([moved_view(plain, quarter(turn, mirrored))])).numpy()
                     self.assertLess(abs(after - turned(before, turn, mirrored)).max(), 1e-5, (turn, mirrored))
         self.assertEqual(motion(0, True)[1, 1], -1)
 

@@ -5,7 +5,7 @@ import unittest
 import numpy as np
 import torch
 
-from convoy_baseline.examples import motion, moved
+from convoy_baseline.augment import motion, moved, quarter
 from convoy_baseline.frames import Truth, coarsened
 from convoy_baseline.grid import Grid
 from convoy_baseline.spoil import SPOILS
@@ -87,14 +87,13 @@ class Truths(unittest.TestCase):
         self.assertEqual(np.argwhere(coarsened(fine, 0.4, Grid(2, 0.8))[0]).tolist(), [[0, 0]])
         with self.assertRaisesRegex(ValueError, "choose other"):
             coarsened(fine, 0.4, Grid(8, 0.8))
-        with self.assertRaisesRegex(ValueError, "choose other"):
-            coarsened(fine, 0.4, Grid(2, 0.9))
+        self.assertEqual(np.argwhere(coarsened(fine, 0.4, Grid(2, 0.9))[0]).tolist(), [[0, 0]], "at the middles")
 
     def test_truth_moves_with_the_ground(self):
         truth = self.truth()
         for mirrored in (False, True):
             for turn in range(4):
-                move, after = motion(turn, mirrored), moved(truth, turn, mirrored)
+                move, after = motion(turn, mirrored), moved(truth, quarter(turn, mirrored), GRID)
                 nose = truth.boxes[:, :2] + 3 * np.column_stack([np.cos(truth.boxes[:, 6]), np.sin(truth.boxes[:, 6])])
                 there = after.boxes[:, :2] + 3 * np.column_stack([np.cos(after.boxes[:, 6]), np.sin(after.boxes[:, 6])])
                 self.assertLess(abs(there - nose @ move[:2, :2].T).max(), 1e-4)

@@ -19,8 +19,10 @@ from convoy.dataset import Dataset, Scene
 from convoy.errors import StoreError
 from convoy.evaluation import Evaluation, ProgramError, evaluate
 from convoy.frame import Agent, Bev, Camera, Frame, Occupancy
+from convoy.multitask import MultitaskSample, MultitaskSamples
 from convoy.poses import Sensor, invert, pose, rotation, transform
 from convoy.samples import DetectionSamples, SegmentationSamples, collate
+from convoy.sweeps import history
 
 __all__ = [
     "CLASSES",
@@ -35,6 +37,8 @@ __all__ = [
     "DetectionSamples",
     "Evaluation",
     "Frame",
+    "MultitaskSample",
+    "MultitaskSamples",
     "Occupancy",
     "ProgramError",
     "Scene",
@@ -43,6 +47,7 @@ __all__ = [
     "StoreError",
     "collate",
     "evaluate",
+    "history",
     "invert",
     "pose",
     "rotation",

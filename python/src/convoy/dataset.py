@@ -234,6 +234,11 @@ class Scene:
         """The stages that are finished for it."""
         return self._files.stages
 
+    @property
+    def digests(self) -> dict[str, str]:
+        """Of each finished stage: SHA-256 of what its manifest says of its files. Another one means other files."""
+        return self._files.digests
+
     @functools.cached_property
     def info(self) -> dict[str, Any]:
         """Facts about it: `log/scene.json`."""

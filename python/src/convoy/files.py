@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 import io
 import json
 import os
@@ -92,6 +93,8 @@ class Files:
         self.place, self.scene = place, scene
         self.outputs: dict[str, int] = {}
         self.stages: set[str] = set()
+        self.digests: dict[str, str] = {}
+        """Of each stage: SHA-256 of what its files are."""
         names = ["plan/_manifest.json"] if scene is None else self._manifests(f"scenes/{scene:04d}/_manifests")
         for name, manifest in zip(names, place.each(self._manifest, names), strict=True):
             file = place.where(name)
@@ -99,6 +102,10 @@ class Files:
                 self.check_format(manifest, file)
                 self.outputs.update({output["key"]: int(output["bytes"]) for output in manifest["outputs"]})
                 self.stages.add(manifest["stage"])
+                lines = sorted(
+                    f"{output['key']} {output.get('blake3', output['bytes'])}\n" for output in manifest["outputs"]
+                )
+                self.digests[manifest["stage"]] = hashlib.sha256("".join(lines).encode()).hexdigest()
             except (KeyError, TypeError, ValueError) as fault:
                 raise self.error(f"is no manifest ({fault!r})", file=file, do=self._redo()) from fault
 

@@ -73,17 +73,13 @@ class Samples:
         scene, frame, ego = self.index[number]
         moment = self.dataset.scene(scene).frame(frame)
         heard = moment.cooperative(ego, self.mode, self.comm_range_m, self.elevation_m)
-        if self.points == "ego":
-            points = heard.points(self.lidar, self.columns)
-        else:
-            points = [agent.points(self.lidar, self.columns) for agent in heard.agents]
         sample: Sample = {
             "scene": scene,
             "frame": frame,
             "ego": ego,
             "agents": [agent.name for agent in heard.agents],
             "ego_from_agent": heard.ego_from_agent.astype(np.float32),
-            "points": points,
+            "points": self._points(heard),
         }
         sample |= self._targets(heard)
         return sample if self.transform is None else self.transform(sample)
@@ -99,6 +95,11 @@ class Samples:
         """The index that was kept."""
         columns = pq.read_table(path).to_pydict()
         return list(zip(columns["scene"], columns["frame"], columns["ego"], strict=True))
+
+    def _points(self, heard: Cooperative) -> list[Array]:
+        if self.points == "ego":
+            return heard.points(self.lidar, self.columns)
+        return [agent.points(self.lidar, self.columns) for agent in heard.agents]
 
     def _targets(self, heard: Cooperative) -> Sample:
         raise NotImplementedError
@@ -133,29 +134,11 @@ class DetectionSamples(Samples):
     STAGES = (*Samples.STAGES, "postprocess-valid")
 
     def __init__(self, *args: Any, classes: Sequence[str] = CLASSES, **options: Any) -> None:
-        if unknown := set(classes) - set(CLASSES):
-            raise ValueError(f"no classes: {', '.join(sorted(unknown))}; expected some of {', '.join(CLASSES)}")
-        self.classes = tuple(classes)
+        self.classes = check_classes(classes)
         super().__init__(*args, **options)
 
     def _targets(self, heard: Cooperative) -> Sample:
-        ego = heard.ego
-        boxes = ego.boxes()
-        boxes = boxes[boxes.id != ego.id]
-        everybody = ego.frame.cooperative(ego.name, "x2x", self.comm_range_m, self.elevation_m)
-        seen = everybody.seen_by(boxes.id)
-        number = np.array([self.classes.index(name) if name in self.classes else -1 for name in (*CLASSES, "")])
-        label = number[boxes.label]
-        kept = seen.any(axis=0) & (label >= 0)
-        local = boxes[kept].transformed(invert(ego.pose))
-        return {
-            "boxes": flat(local),
-            "labels": label[kept],
-            "ids": local.id.astype(np.int64),
-            "difficulty": local.difficulty,
-            "num_lidar_pts": local.num_lidar_pts,
-            "seen_by_ego": seen[0, kept],
-        }
+        return detection_targets(heard, self.classes, self.comm_range_m, self.elevation_m)
 
 
 class SegmentationSamples(Samples):
@@ -169,8 +152,41 @@ class SegmentationSamples(Samples):
         super().__init__(*args, **options)
 
     def _targets(self, heard: Cooperative) -> Sample:
-        bev = heard.ego.bev(self.classes)
-        return {"masks": bev.masks, "classes": bev.classes, "cell_m": bev.cell_m}
+        return segmentation_targets(heard, self.classes)
+
+
+def check_classes(classes: Sequence[str]) -> tuple[str, ...]:
+    """Classes of boxes, if there are such ones."""
+    if unknown := set(classes) - set(CLASSES):
+        raise ValueError(f"no classes: {', '.join(sorted(unknown))}; expected some of {', '.join(CLASSES)}")
+    return tuple(classes)
+
+
+def detection_targets(heard: Cooperative, classes: tuple[str, ...], comm_range_m: float, elevation_m: float) -> Sample:
+    """What `DetectionSamples` has to find."""
+    ego = heard.ego
+    boxes = ego.boxes()
+    boxes = boxes[boxes.id != ego.id]
+    everybody = ego.frame.cooperative(ego.name, "x2x", comm_range_m, elevation_m)
+    seen = everybody.seen_by(boxes.id)
+    number = np.array([classes.index(name) if name in classes else -1 for name in (*CLASSES, "")])
+    label = number[boxes.label]
+    kept = seen.any(axis=0) & (label >= 0)
+    local = boxes[kept].transformed(invert(ego.pose))
+    return {
+        "boxes": flat(local),
+        "labels": label[kept],
+        "ids": local.id.astype(np.int64),
+        "difficulty": local.difficulty,
+        "num_lidar_pts": local.num_lidar_pts,
+        "seen_by_ego": seen[0, kept],
+    }
+
+
+def segmentation_targets(heard: Cooperative, classes: tuple[str, ...] | None) -> Sample:
+    """What `SegmentationSamples` has to find."""
+    bev = heard.ego.bev(classes)
+    return {"masks": bev.masks, "classes": bev.classes, "cell_m": bev.cell_m}
 
 
 def flat(boxes: Boxes) -> Array:
@@ -187,7 +203,8 @@ def collate(samples: Sequence[Sample]) -> Sample:
 
     `points` are all points one after another, `point_sample` and `point_agent` say whose they are. `ego_from_agent` (B, A, 4, 4)
     is filled up with identities, `agent_mask` (B, A) says which are real; likewise `boxes` (B, N, 9), `labels` (B, N; -1 where
-    there is none) and so on with `box_mask`. `masks` are (B, C, H, W). The rest are lists.
+    there is none) and so on with `box_mask`. `masks` are (B, C, H, W), `occupancy` is (B, X, Y, Z). Pictures with what belongs to them
+    are one after another, too, with `picture_sample` beside `picture_agent`. The rest are lists.
     """
     agents = max(len(sample["points"]) for sample in samples)
     clouds = [(b, a, cloud) for b, sample in enumerate(samples) for a, cloud in enumerate(sample["points"])]
@@ -213,8 +230,15 @@ def collate(samples: Sequence[Sample]) -> Sample:
                 padded[b, : len(sample[name])] = sample[name]
             batch[name] = padded
         batch["box_mask"] = np.arange(most) < np.array([[len(sample["boxes"])] for sample in samples])
-    if "masks" in samples[0]:
-        batch["masks"] = np.stack([sample["masks"] for sample in samples])
+    for name in ("masks", "occupancy"):
+        if name in samples[0]:
+            batch[name] = np.stack([sample[name] for sample in samples])
+    if "pictures" in samples[0]:
+        for name in ("pictures", "picture_agent", "intrinsics", "agent_from_camera"):
+            batch[name] = np.concatenate([sample[name] for sample in samples])
+        batch["picture_sample"] = np.repeat(
+            np.arange(len(samples), dtype=np.int64), [len(sample["pictures"]) for sample in samples]
+        )
     for name in samples[0]:
         if name not in batch:
             batch[name] = [sample[name] for sample in samples]

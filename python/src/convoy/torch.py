@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from convoy import samples
+from convoy import multitask, samples
 
 try:
     import torch
@@ -26,6 +26,10 @@ class Detection(samples.DetectionSamples, Dataset):  # type: ignore[misc]
 
 class Segmentation(samples.SegmentationSamples, Dataset):  # type: ignore[misc]
     """`convoy.SegmentationSamples` for a DataLoader."""
+
+
+class Multitask(multitask.MultitaskSamples, Dataset):  # type: ignore[misc]
+    """`convoy.MultitaskSamples` for a DataLoader."""
 
 
 def collate(batch: Sequence[samples.Sample]) -> dict[str, Any]:

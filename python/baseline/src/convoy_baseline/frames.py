@@ -14,6 +14,7 @@ from convoy_baseline.grid import Array, Grid
 from convoy_baseline.pictures import Picture, pictures
 from convoy_baseline.raster import rasterise
 from convoy_baseline.settings import SENSORS, Settings
+from convoy_baseline.sweeps import points
 
 STAGES = ("simulate-and-log", "render-sensors", "bev-gt", "postprocess-valid")
 Key = tuple[int, int]
@@ -25,11 +26,13 @@ class View:
     """What an agent saw at a moment."""
 
     agent: str
-    raster: Array
-    """(3, H, W) u8: `rasterise`."""
+    raster: Array | None
+    """(3, H, W) u8: `rasterise`; None if points are kept."""
     world_from_agent: Array
     pictures: tuple[Picture, ...] = ()
     """Of its cameras, if the model looks through them."""
+    points: Array | None = None
+    """(N, 5) f32: `sweeps.points`."""
 
     @property
     def is_rsu(self) -> bool:
@@ -49,6 +52,17 @@ class Truth:
     seen_by_ego: Array
     masks: Array
     """(C, H, W) bool."""
+    wide: Wide | None = None
+    """Masks as far as the store has them, where views are turned by any angle."""
+
+
+@dataclass(frozen=True)
+class Wide:
+    """Masks of more ground than the model looks at."""
+
+    masks: Array
+    """(C, h, w) bool."""
+    cell_m: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +114,15 @@ class Keyframes(Dataset[Keyframe]):
         moment = self.dataset.scene(scene).frame(frame)
         return moment.agent(moment.agents[0]).bev().classes
 
+    def present(self) -> Array:
+        """(keyframes, K) bool: which of the model's classes have a box in each."""
+        found = np.zeros((len(self.keys), len(self.settings.classes)), bool)
+        for row, (scene, number) in enumerate(self.keys):
+            labels = self.dataset.scene(scene).frame(number).boxes(valid=True).label
+            names = {convoy.CLASSES[label] for label in labels if label >= 0}
+            found[row] = [name in names for name in self.settings.classes]
+        return found
+
     def views(self, scene: int, number: int) -> tuple[View, ...]:
         """What all agents saw at any frame that has sweeps."""
         frame = self.dataset.scene(scene).frame(number)
@@ -108,9 +131,13 @@ class Keyframes(Dataset[Keyframe]):
     def _view(self, agent: convoy.Agent) -> View:
         settings = self.settings
         has_lidar, has_camera = (sensor in settings.sensors for sensor in SENSORS)
-        points = agent.points() if has_lidar else np.zeros((0, 4), np.float32)
         seen = pictures(agent, settings.picture_height, settings.picture_width) if has_camera else ()
-        return View(agent.name, rasterise(points, settings.grid), agent.pose, seen)
+        if not has_lidar:
+            return View(agent.name, None, agent.pose, seen)
+        found = points(agent, settings.sweeps, settings.beams)
+        if settings.keeps_points:
+            return View(agent.name, None, agent.pose, seen, found)
+        return View(agent.name, rasterise(found, settings.grid), agent.pose, seen)
 
     def _read(self, scene: int, number: int) -> Keyframe:
         views = self.views(scene, number)
@@ -133,20 +160,37 @@ def truth(frame: convoy.Frame, ego: str, settings: Settings, itself: bool = Fals
     kept = seen.any(axis=0) & (labels >= 0)
     local = boxes[kept].transformed(convoy.invert(agent.pose))
     bev = agent.bev()
-    masks = coarsened(bev.masks, bev.cell_m, settings.grid)
-    return Truth(flat(local), labels[kept], local.difficulty, seen[0, kept], masks)
+    masks = coarsened(bev.masks, bev.cell_m, settings.mask_grid)
+    wide = Wide(bev.masks, bev.cell_m) if settings.augment == "any" else None
+    return Truth(flat(local), labels[kept], local.difficulty, seen[0, kept], masks, wide)
 
 
 def coarsened(masks: Array, cell_m: float, grid: Grid) -> Array:
-    """Masks (C, h, w) of the store in the model's cells: true where more than half of a cell is. Cells must be a whole number of the
-    store's, and the store's grid at least as large."""
-    ratio = round(grid.cell_m / cell_m)
-    margin = masks.shape[1] - grid.cells * ratio
-    if abs(ratio * cell_m - grid.cell_m) > 1e-9 or ratio < 1 or margin < 0 or margin % 2:
+    """Masks (C, h, w) of the store in the model's cells: true where more than half of a cell is, or, if they are no whole number of the
+    store's, where their middle is. The store's grid must be at least as large."""
+    if masks.shape[1] * cell_m < 2 * grid.half_m - 1e-6:
         raise ValueError(
             f"masks of {masks.shape[1]} cells of {cell_m} m do not become {grid.cells} cells of {grid.cell_m} m: choose other ones"
         )
+    ratio = round(grid.cell_m / cell_m)
+    margin = masks.shape[1] - grid.cells * ratio
+    if abs(ratio * cell_m - grid.cell_m) > 1e-9 or ratio < 1 or margin < 0 or margin % 2:
+        return sampled(Wide(masks, cell_m), grid, np.eye(4))
     inner = masks[:, margin // 2 : margin // 2 + grid.cells * ratio, margin // 2 : margin // 2 + grid.cells * ratio]
     parts = inner.reshape(len(masks), grid.cells, ratio, grid.cells, ratio)
     more: Array = parts.mean(axis=(2, 4), dtype=np.float32) > 0.5 if ratio > 1 else inner
     return more
+
+
+def sampled(wide: Wide, grid: Grid, move: Array) -> Array:
+    """Masks (C, H, W) on a grid of ground that was moved by a 4 x 4: what is at the middle of each cell; false outside."""
+    rows, columns = np.mgrid[0 : grid.cells, 0 : grid.cells]
+    x, y = grid.center_of(rows, columns)
+    back = np.linalg.inv(move)
+    before = np.stack([x, y], axis=-1) @ back[:2, :2].T + back[:2, 3]
+    source = Grid(wide.masks.shape[1], wide.cell_m)
+    row, column = source.cell_of(before)
+    inside = (row >= 0) & (row < source.cells) & (column >= 0) & (column < source.cells)
+    last = source.cells - 1
+    found: Array = wide.masks[:, row.clip(0, last), column.clip(0, last)] & inside
+    return found

@@ -5,6 +5,9 @@ from __future__ import annotations
 import torch
 from torch import nn
 
+RARE = -4.0
+"""First guess of heat maps and masks as a logit: nearly nothing is anywhere."""
+
 
 def block(channels: int, out: int, stride: int = 1) -> nn.Sequential:
     """A 3 x 3 convolution, normalised, without what is negative."""

@@ -18,15 +18,16 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import torch
 
-from convoy_baseline.batch import wired
+from convoy_baseline.batch import Link, wired
 from convoy_baseline.checkpoint import Run, model_of
 from convoy_baseline.conditions import Condition, links_under
-from convoy_baseline.frames import Keyframe, Keyframes
+from convoy_baseline.examples import raster_grid, wired_views
+from convoy_baseline.frames import Keyframe, Keyframes, View
 from convoy_baseline.grid import Array
 from convoy_baseline.inputs import gathered
-from convoy_baseline.model import Model
+from convoy_baseline.model import Model, Said
 from convoy_baseline.settings import Settings
-from convoy_baseline.targets import decode
+from convoy_baseline.traffic import Boxes, bytes_of, together
 
 MOST = 200
 LEAST_SCORE = 0.03
@@ -49,6 +50,8 @@ class Found:
     scores: Array
     masks: Array
     """(C, H, W) f32, 0 to 1."""
+    bytes_heard: int = 0
+    """What all its partners sent of this frame."""
 
 
 def predict(
@@ -60,7 +63,8 @@ def predict(
     device: torch.device,
     seed: int = 0,
 ) -> None:
-    """Hands over what every ego finds under each condition. Views are encoded once for all conditions."""
+    """Hands over what every ego finds under each condition. Views are encoded once for all conditions, except with early cooperation,
+    where each ego has points of its own."""
     delays = sorted({condition.delay_frames for condition in conditions} - {0})
     with torch.no_grad():
         for i in range(len(keyframes)):
@@ -71,26 +75,73 @@ def predict(
                     earlier = keyframes.views(keyframe.scene, keyframe.number - delay)
                     heard[delay] = len(views), earlier
                     views += earlier
-            features = model.features(gathered(views).to(device))
+            looked = Looked(model, settings, keyframe, views, device)
             for condition in conditions:
                 if condition.delay_frames in heard:
                     first, earlier = heard[condition.delay_frames]
                     links = links_under(condition, keyframe, earlier, first, settings, seed)
-                    said = model.heads(model.fused(features, wired(keyframe.egos, links).to(device)))
-                    counts = np.bincount([link.ego for link in links], minlength=len(keyframe.egos))
-                    for found in _found(said, condition, keyframe, counts, settings):
+                    for found in looked.found(condition, links):
                         take(found)
 
 
-def _found(
-    said: tuple[torch.Tensor, ...], condition: Condition, keyframe: Keyframe, partners: Array, settings: Settings
-) -> list[Found]:
-    heat, numbers, masks = said[0].sigmoid(), said[1], said[2].sigmoid().cpu().numpy()
-    found = []
-    for e in range(len(keyframe.egos)):
-        boxes, labels, scores = decode(heat[e], numbers[e], settings.feature_grid, MOST, LEAST_SCORE)
-        found.append(Found(condition, keyframe, e, int(partners[e]), boxes, labels, scores, masks[e]))
-    return found
+class Looked:
+    """Views of a keyframe and of moments before, as far as a model has looked at them."""
+
+    def __init__(
+        self, model: Model, settings: Settings, keyframe: Keyframe, views: Sequence[View], device: torch.device
+    ) -> None:
+        self.model, self.settings, self.keyframe, self.views = model, settings, keyframe, views
+        self.device = device
+        self.features: torch.Tensor | None = None
+        self.own: tuple[Said, list[Boxes]] | None = None
+        if settings.cooperation != "early":
+            self.features = model.features(gathered(views, raster_grid(settings)).to(device))
+        if settings.cooperation == "late":
+            assert self.features is not None
+            said = model.heads(model.fused(self.features, wired(range(len(views)), []).to(device)))
+            self.own = said, [self._boxes(said, v) for v in range(len(views))]
+
+    def found(self, condition: Condition, links: Sequence[Link]) -> list[Found]:
+        """What all egos find who hear others by links."""
+        egos = self.keyframe.egos
+        if self.own is not None:
+            said, boxes = self.own
+            masks = [self._masks(said, ego) for ego in egos]
+            heard = [[(link, boxes[link.view]) for link in links if link.ego == e] for e in range(len(egos))]
+            grid = self.settings.grid
+            found = [together(boxes[ego], others, grid, MOST) for ego, others in zip(egos, heard, strict=True)]
+        else:
+            if self.features is None:
+                inputs, wiring = wired_views(self.views, egos, links, self.settings)
+                said = self.model(inputs.to(self.device), wiring.to(self.device))
+            else:
+                said = self.model.heads(self.model.fused(self.features, wired(egos, links).to(self.device)))
+            masks = [self._masks(said, e) for e in range(len(egos))]
+            found = [self._boxes(said, e) for e in range(len(egos))]
+        sent = self._sent(links)
+        counts = np.bincount([link.ego for link in links], minlength=len(egos))
+        return [
+            Found(condition, self.keyframe, e, int(counts[e]), *found[e], masks[e], sent[e]) for e in range(len(egos))
+        ]
+
+    def _boxes(self, said: Said, which: int) -> Boxes:
+        if self.model.boxes is None:
+            return np.zeros((0, 9)), np.zeros(0, np.int64), np.zeros(0)
+        return self.model.boxes.found(said.boxes, which, MOST, LEAST_SCORE)
+
+    def _masks(self, said: Said, which: int) -> Array:
+        if said.masks is None:
+            side = self.settings.mask_grid.cells
+            return np.zeros((0, side, side), np.float32)
+        masks: Array = said.masks[which].sigmoid().cpu().numpy()
+        return masks
+
+    def _sent(self, links: Sequence[Link]) -> list[int]:
+        sent = [0] * len(self.keyframe.egos)
+        for link in links:
+            boxes = None if self.own is None else self.own[1][link.view]
+            sent[link.ego] += bytes_of(self.settings, self.views[link.view], boxes)
+        return sent
 
 
 class Writer:
@@ -99,9 +150,13 @@ class Writer:
     def __init__(self, classes: Sequence[str]) -> None:
         self.classes = classes
         self.parts: list[pa.Table] = []
+        self.heard: dict[str, tuple[int, int, int]] = {}
+        """Of each condition: samples, partners and bytes heard."""
 
     def take(self, found: Found) -> None:
         """Adds them."""
+        samples, partners, sent = self.heard.get(found.condition.name, (0, 0, 0))
+        self.heard[found.condition.name] = samples + 1, partners + found.partners, sent + found.bytes_heard
         view = found.keyframe.views[found.keyframe.egos[found.ego]]
         boxes = found.boxes.astype(np.float64)
         count = len(boxes)
@@ -162,6 +217,11 @@ def main(arguments: list[str] | None = None) -> int:
         conditions = [Condition(mode, mode) for mode in modes]
         predict(model, run.settings, keyframes, conditions, writer.take, device)
         writer.write(options.out)
+        for name, (samples, partners, sent) in writer.heard.items():
+            mean = sent / max(partners, 1)
+            print(
+                f"{name}: {samples} samples, {partners / samples:.2f} partners each, {mean:.0f} bytes of a partner and frame"
+            )
     except (convoy.StoreError, ValueError, OSError) as fault:
         print(f"error: {fault}", file=sys.stderr)
         return 1

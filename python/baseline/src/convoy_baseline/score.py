@@ -43,7 +43,8 @@ class Tally:
         truth = found.keyframe.truths[found.ego]
         self.partners.append(found.partners)
         self.samples.append((found.keyframe.scene, found.ego, found.keyframe.number))
-        self._masks(found.masks >= 0.5, truth.masks)
+        if len(found.masks):  # Not every model finds masks.
+            self._masks(found.masks >= 0.5, truth.masks)
         for k, name in enumerate(self.classes):
             chosen = np.flatnonzero(truth.labels == k)
             if self.grid is not None:

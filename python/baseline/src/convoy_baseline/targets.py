@@ -22,6 +22,8 @@ class Peaks:
     """(K, h, w) f32: 1 at the cell of an object's centre, less around it."""
     cell: Array
     """(N,) i64: the cells of the objects, row by row."""
+    labels: Array
+    """(N,) i64: their classes."""
     numbers: Array
     """(N, NUMBERS) f32: their boxes."""
 
@@ -51,7 +53,7 @@ def encode(boxes: Array, labels: Array, classes: int, grid: Grid) -> Peaks:
         patch = heat[label, top : row + reach + 1, left : column + reach + 1]
         down, right = np.ogrid[top - row : top - row + patch.shape[0], left - column : left - column + patch.shape[1]]
         np.maximum(patch, np.exp(-(down**2 + right**2) / (2 * sigma**2)), out=patch)
-    return Peaks(heat, rows * grid.cells + columns, numbers.astype(np.float32))
+    return Peaks(heat, rows * grid.cells + columns, labels, numbers.astype(np.float32))
 
 
 def decode(
@@ -65,22 +67,27 @@ def decode(
     score, index = score[score >= least_score], index[score >= least_score]
     label, cell = np.divmod(index, grid.cells**2)
     found = numbers.flatten(1)[:, torch.from_numpy(cell).to(numbers.device)].T.double().cpu().numpy()
-    x, y = grid.center_of(*np.divmod(cell, grid.cells))
-    boxes = np.column_stack(
-        [
-            x + found[:, 0] * grid.cell_m,
-            y + found[:, 1] * grid.cell_m,
-            found[:, 2],
-            np.exp(np.clip(found[:, 3:6], -3, 4)),
-            np.arctan2(found[:, 6], found[:, 7]),
-            found[:, 8:10],
-        ]
-    )
-    kept = _apart(boxes, label)
+    boxes = boxes_at(cell, found, grid)
+    kept = apart(boxes, label)
     return boxes[kept], label[kept], score[kept]
 
 
-def _apart(boxes: Array, label: Array) -> Array:
+def boxes_at(cell: Array, numbers: Array, grid: Grid) -> Array:
+    """Boxes (N, 9) of numbers (N, NUMBERS) that are said of cells (N,)."""
+    x, y = grid.center_of(*np.divmod(cell, grid.cells))
+    return np.column_stack(
+        [
+            x + numbers[:, 0] * grid.cell_m,
+            y + numbers[:, 1] * grid.cell_m,
+            numbers[:, 2],
+            np.exp(np.clip(numbers[:, 3:6], -3, 4)),
+            np.arctan2(numbers[:, 6], numbers[:, 7]),
+            numbers[:, 8:10],
+        ]
+    )
+
+
+def apart(boxes: Array, label: Array) -> Array:
     """Indices of boxes whose centres keep half a width's distance from all surer ones of their class."""
     kept: list[int] = []
     for i in range(len(boxes)):

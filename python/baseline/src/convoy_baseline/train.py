@@ -18,25 +18,40 @@ import numpy as np
 import torch
 from torch.utils.data import DataLoader
 
-from convoy_baseline.checkpoint import Run, load, save
+from convoy_baseline.checkpoint import Run, averaged, begin, digest, load, save
 from convoy_baseline.examples import example
 from convoy_baseline.frames import Keyframe, Keyframes
+from convoy_baseline.grid import Array
 from convoy_baseline.loss import loss
 from convoy_baseline.model import Model
-from convoy_baseline.settings import Settings, check_mode, read
+from convoy_baseline.pack import Packed
+from convoy_baseline.settings import Settings, check_mode, read_with_mode
 from convoy_baseline.spoil import SPOILS
 
 KEEP_EVERY_S = 60.0
 SAY_EVERY = 50
 
 
-def order(keyframes: int, a_step: int, seed: int, first: int, steps: int) -> Iterator[list[int]]:
-    """Which keyframes make which step: each epoch all of them, shuffled by seed and epoch alone."""
+def order(
+    keyframes: int, a_step: int, seed: int, first: int, steps: int, present: Array | None = None
+) -> Iterator[list[int]]:
+    """Which keyframes make which step: each epoch all of them, shuffled by seed and epoch alone. Where it is known which classes are
+    `present` (keyframes, K), an epoch is as long, but draws as many keyframes of each class."""
     of_epoch = math.ceil(keyframes / a_step)
     for step in range(first, steps):
         epoch, place = divmod(step, of_epoch)
-        shuffled = np.random.default_rng([seed, 1, epoch]).permutation(keyframes)
+        draw = np.random.default_rng([seed, 1, epoch])
+        shuffled = draw.permutation(keyframes if present is None else balanced(present, draw))
         yield shuffled[place * a_step : (place + 1) * a_step].tolist()
+
+
+def balanced(present: Array, draw: np.random.Generator) -> Array:
+    """As many keyframes as there are, of each class that is anywhere the same number, again and again if it is rare."""
+    classes = np.flatnonzero(present.any(axis=0))
+    if not len(classes):
+        return np.arange(len(present))
+    of_class = np.resize(draw.permutation(classes), len(present))
+    return np.array([draw.choice(np.flatnonzero(present[:, k])) for k in of_class])
 
 
 def rate_at(step: int, settings: Settings) -> float:
@@ -56,29 +71,45 @@ def train(
     split: str = "train",
     device: str = "cpu",
     workers: int = 0,
+    start: pathlib.Path | None = None,
+    pack: pathlib.Path | None = None,
     stop_after: int | None = None,
     say: bool = True,
 ) -> Run:
-    """Trains until all steps are done, or `stop_after` of this call, and keeps the model in `out`."""
+    """Trains until all steps are done, or `stop_after` of this call, and keeps the model in `out`. It begins with weights of another
+    checkpoint, `start`, as far as they fit, and reads keyframes of a `pack` if there is one."""
     on = torch.device(device)
-    keyframes = Keyframes(dataset, split, settings, keep=workers == 0)
-    run = Run(settings, check_mode(mode), seed, spoil, keyframes.classes(), 0, 0.0)
+    keyframes = (
+        Packed(dataset, split, settings, pack) if pack else Keyframes(dataset, split, settings, keep=workers == 0)
+    )
+    began_from = "" if start is None else digest(start)
+    run = Run(settings, check_mode(mode), seed, spoil, began_from, keyframes.classes(), 0, 0.0)
     torch.manual_seed(seed)
     model = Model(settings, len(run.masks)).to(on)
     optimiser = torch.optim.AdamW(model.parameters(), lr=settings.rate, weight_decay=settings.weight_decay)
+    average = averaged(model, settings)
+    if start is not None and not out.exists():
+        taken, left = begin(model, start, on)
+        if average is not None:
+            average = averaged(model, settings)
+        if say:
+            print(f"{start}: {taken} tensors of weights to begin with, {left} of the model begin anew", flush=True)
     if out.exists():
         kept, state = load(out, on)
         if kept.identity() != run.identity():
             raise ValueError(f"{out} is of another run ({kept.identity()}): remove it, or choose another file")
         model.load_state_dict(state["model"])
         optimiser.load_state_dict(state["optimiser"])
+        if average is not None:
+            average.load_state_dict(state["average"])
         run = kept
         if run.done:
             return run
+    present = keyframes.present() if settings.balanced else None
     last = settings.steps if stop_after is None else min(run.step + stop_after, settings.steps)
     loader: DataLoader[Keyframe] = DataLoader(
         keyframes,
-        batch_sampler=list(order(len(keyframes), settings.frames_a_step, seed, run.step, last)),
+        batch_sampler=list(order(len(keyframes), settings.frames_a_step, seed, run.step, last, present)),
         num_workers=workers,
         collate_fn=list,
     )
@@ -92,21 +123,22 @@ def train(
             group["lr"] = rate_at(run.step, settings)
         with torch.autocast(on.type, torch.bfloat16, enabled=on.type == "cuda"):
             said = model(inputs.to(on), wiring.to(on))
-        heat, numbers, masks = (part.float() for part in said)
-        parts = loss(heat, numbers, masks, targets.to(on), settings)
+        parts = loss(model, said, targets.to(on), settings)
         optimiser.zero_grad()
         parts["all"].backward()  # type: ignore[no-untyped-call]
         torch.nn.utils.clip_grad_norm_(model.parameters(), 10.0)
         optimiser.step()
+        if average is not None:
+            average.update_parameters(model)
         now = time.monotonic()
         run.step, run.seconds = run.step + 1, before + now - began
         if say and run.step % SAY_EVERY == 0:
             about = ", ".join(f"{name} {part.item():.3f}" for name, part in parts.items())
             print(f"step {run.step} of {settings.steps}, {run.seconds:.0f} s: {about}", flush=True)
         if now - kept_at > KEEP_EVERY_S:
-            save(out, run, model, optimiser)
+            save(out, run, model, optimiser, average)
             kept_at = now
-    save(out, run, model, optimiser)
+    save(out, run, model, optimiser, average)
     return run
 
 
@@ -115,8 +147,18 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m convoy_baseline.train", description="Trains a model on a store.")
     parser.add_argument("--store", required=True)
     parser.add_argument("--out", required=True, type=pathlib.Path, help="checkpoint; a run goes on where it was")
-    parser.add_argument("--mode", default="none", choices=convoy.MODES, help="with whom it learns to work together")
-    parser.add_argument("--settings", type=pathlib.Path, help="a TOML file with a table [model]")
+    parser.add_argument(
+        "--mode",
+        choices=convoy.MODES,
+        help="with whom it learns to work together (default: the settings' mode, or none)",
+    )
+    parser.add_argument(
+        "--settings",
+        type=pathlib.Path,
+        help="a TOML file with a table [model], such as configs/models/small/coopdet3d-l.toml",
+    )
+    parser.add_argument("--start", type=pathlib.Path, help="a checkpoint whose weights it begins with, where they fit")
+    parser.add_argument("--pack", type=pathlib.Path, help="reads keyframes of what convoy_baseline.pack made")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--split", default="train")
     parser.add_argument("--device", default="cpu", choices=("cpu", "cuda"))
@@ -131,17 +173,19 @@ def main(arguments: list[str] | None = None) -> int:
     if options.threads:
         torch.set_num_threads(options.threads)
     try:
-        settings = read(options.settings) if options.settings else Settings()
+        settings, mode = read_with_mode(options.settings) if options.settings else (Settings(), None)
         run = train(
             convoy.Dataset(options.store),
             settings,
             options.out,
-            mode=options.mode,
+            mode=options.mode or mode or "none",
             seed=options.seed,
             spoil=options.spoil,
             split=options.split,
             device=options.device,
             workers=options.workers,
+            start=options.start,
+            pack=options.pack,
         )
     except (convoy.StoreError, ValueError, OSError) as fault:
         print(f"error: {fault}", file=sys.stderr)

@@ -61,7 +61,7 @@ def page(plan: Plan, trained: Sequence[Trained], spoilt: Sequence[tuple[str, Tra
         "## Masks",
         (
             "Intersection over union at a chance of 0.5, in per cent; cells of "
-            f"{plan.entries[0].settings.cell_m} m, in which what is thinner than half a cell is lost."
+            f"{plan.entries[0].settings.mask_grid.cell_m} m, in which what is thinner than half a cell is lost."
         ),
         _masks(plan, of),
     ]
@@ -219,8 +219,11 @@ def _spoilt(spoilt: Sequence[tuple[str, Trained]], plan: Plan, of: dict[str, lis
 def _about(trained: Sequence[Trained]) -> str:
     entry, settings = trained[0].entry, trained[0].run.settings
     seconds = statistics.mean(one.run.seconds for one in trained)
+    heard = {"features": f"{settings.fusion} fusion", "early": "partners' points", "late": "partners' boxes"}[
+        settings.cooperation
+    ]
     return (
-        f"`{entry.name}`: {' and '.join(settings.sensors)}, learnt in mode {entry.mode}, {settings.fusion} fusion, {settings.cells} x {settings.cells} cells of "
+        f"`{entry.name}`: {' and '.join(settings.sensors)}, learnt in mode {entry.mode}, {heard}, {settings.cells} x {settings.cells} cells of "
         f"{settings.cell_m} m, width {settings.width}, {settings.steps} steps of {settings.frames_a_step} keyframes with all vehicles as "
         f"egos, partners left out with a chance of {settings.drop_out}: {seconds:.0f} s a seed."
     )

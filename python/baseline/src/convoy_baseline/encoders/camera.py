@@ -1,49 +1,57 @@
 """Pictures as features of the ground: each pixel's feature is spread along its ray by a guess of its depth (Philion and Fidler, "Lift,
-Splat, Shoot", ECCV 2020)."""
+Splat, Shoot", ECCV 2020). Places and sums are f32 under autocast, too."""
 
 from __future__ import annotations
 
 import torch
 from torch import nn
 
+from convoy_baseline.encoders.pictures import STRIDE, Plain, Residual, Swin
 from convoy_baseline.grid import Grid
 from convoy_baseline.inputs import Inputs
 from convoy_baseline.layers import block
-
-STRIDE = 8
-"""Pixels of a picture to one of its features, along either side."""
+from convoy_baseline.sums import Splat
 
 
 class Lift(nn.Module):
-    """Of pictures (P, 3, h, w) to (V, C, rows, columns) in the frames of V views."""
+    """Of pictures (P, 3, h, w) to (V, C, rows, columns) in the frames of V views. What is seen falls on cells of half the size, which
+    convolutions make into whole ones."""
 
     depths_m: torch.Tensor
 
-    def __init__(self, grid: Grid, depths_m: tuple[float, float], bins: int, width: int, channels: int) -> None:
+    def __init__(
+        self, grid: Grid, depths_m: tuple[float, float], bins: int, encoder: Plain | Residual | Swin, channels: int
+    ) -> None:
         super().__init__()
-        self.grid, self.channels = grid, channels
+        self.grid, self.channels = Grid(2 * grid.cells, grid.cell_m / 2), channels
         near, far = depths_m
         middles = near + (torch.arange(bins) + 0.5) * ((far - near) / bins)
         self.register_buffer("depths_m", middles, persistent=False)
-        self.encoder = nn.Sequential(
-            block(3, width, stride=2),
-            block(width, 2 * width, stride=2),
-            block(2 * width, 2 * width),
-            block(2 * width, 4 * width, stride=2),
-            block(4 * width, 4 * width),
+        self.encoder = encoder
+        self.said = nn.Conv2d(encoder.channels, bins + channels, 1)
+        self.ground = nn.Sequential(
+            block(channels, channels), block(channels, channels, stride=2), block(channels, channels)
         )
-        self.said = nn.Conv2d(4 * width, bins + channels, 1)
-        self.ground = nn.Sequential(block(channels, channels), block(channels, channels))
 
     def forward(self, inputs: Inputs) -> torch.Tensor:
         """All of them; what lies outside a view's grid is lost."""
-        said = self.said(self.encoder(inputs.pictures.float() / 255 - 0.5))
-        bins = len(self.depths_m)
-        depth, features = said[:, :bins].softmax(dim=1), said[:, bins:]
-        places = frustum(inputs.intrinsics, inputs.view_from_optical, self.depths_m, *said.shape[2:])
-        splat = splatted(depth, features, cells(places, self.grid), inputs.picture_view, len(inputs.rasters), self.grid)
+        if len(inputs.pictures):
+            splat = self._splat(inputs)
+        else:
+            splat = torch.zeros(
+                inputs.views, self.channels, self.grid.cells, self.grid.cells, device=inputs.pictures.device
+            )
         ground: torch.Tensor = self.ground(splat)
         return ground
+
+    def _splat(self, inputs: Inputs) -> torch.Tensor:
+        said = self.said(self.encoder(inputs.pictures.float() / 255))
+        bins = len(self.depths_m)
+        with torch.autocast(said.device.type, enabled=False):
+            depth, features = said[:, :bins].float().softmax(dim=1), said[:, bins:].float()
+            places = frustum(inputs.intrinsics, inputs.view_from_optical, self.depths_m, *said.shape[2:])
+            cell = cells(places, self.grid)
+            return splatted(depth, features, cell, inputs.picture_view, inputs.views, self.grid)
 
 
 def frustum(
@@ -76,10 +84,7 @@ def cells(places: torch.Tensor, grid: Grid) -> torch.Tensor:
 def splatted(
     depth: torch.Tensor, features: torch.Tensor, cell: torch.Tensor, view: torch.Tensor, views: int, grid: Grid
 ) -> torch.Tensor:
-    """Sums of features (P, C, rows, columns), each as much as depth (P, D, rows, columns) says, over cells."""
-    of_view = cell + view.view(-1, 1, 1, 1) * grid.cells**2
-    kept = (cell >= 0).flatten()
-    spread = torch.einsum("pdrc,pfrc->pdrcf", depth, features).flatten(0, 3)
-    ground = features.new_zeros(views * grid.cells**2, features.shape[1])
-    ground = ground.index_add(0, of_view.flatten()[kept], spread[kept])
+    """Sums of features (P, C, rows, columns), each as much as depth (P, D, rows, columns) says, over cells: f32."""
+    of_view = torch.where(cell >= 0, cell + view.view(-1, 1, 1, 1) * grid.cells**2, -1)
+    ground: torch.Tensor = Splat.apply(depth.float(), features.float(), of_view, views * grid.cells**2)  # type: ignore[no-untyped-call]
     return ground.view(views, grid.cells, grid.cells, -1).permute(0, 3, 1, 2)

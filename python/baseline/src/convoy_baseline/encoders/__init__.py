@@ -1,0 +1,1 @@
+"""What a sensor saw becomes features of the ground around its agent."""

@@ -1,0 +1,1 @@
+"""What is found in features of the ground: boxes and masks, with their losses."""
