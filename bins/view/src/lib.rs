@@ -39,7 +39,7 @@ pub struct ViewArgs {
     /// The store: a folder, or s3://, az://, gs://.
     #[arg(value_name = "STORE")]
     store: PathBuf,
-    /// The port (default: 8461, so that browsers remember the layout of last time, or a free one).
+    /// The port (default: 8461, or a free one if that is taken).
     #[arg(long, value_name = "PORT")]
     port: Option<u16>,
     /// Only print the address; open no browser.
