@@ -13,4 +13,6 @@ class Programs(BuildHookInterface):  # type: ignore[type-arg]
         """Before the wheel is written."""
         glibc = os.environ["CONVOY_GLIBC"].replace(".", "_")
         build_data["pure_python"] = False
+        folder = os.path.join(self.root, "scripts")
+        build_data["shared_scripts"] = {os.path.join(folder, name): name for name in sorted(os.listdir(folder))}
         build_data["tag"] = f"py3-none-manylinux_{glibc}_x86_64"

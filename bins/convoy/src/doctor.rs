@@ -28,7 +28,7 @@ pub(crate) struct DoctorArgs {
 pub(crate) fn run(args: &DoctorArgs) -> u8 {
     row("version", runner::release(build_stamp::STAMP), "");
     let Machine { cores, times } = Machine::measured();
-    row("processor", &processor(), &format!("{cores} threads work at once (--threads says otherwise)"));
+    row("processor", &processor(), &format!("{cores} threads work at once; --threads says otherwise"));
     row(
         "speed",
         &format!("a core takes {times:.1} times what forecasts count with"),

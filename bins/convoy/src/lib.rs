@@ -35,7 +35,8 @@ struct Args {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Makes a tiny dataset, in half a minute, and says how to look at it and open it. Needs no configuration.
+    /// Makes a tiny dataset, in half a minute, and says how to look at it and open it. Needs no
+    /// configuration.
     Demo(demo::DemoArgs),
     #[command(flatten)]
     Store(StoreCommand),

@@ -50,6 +50,5 @@ pub(crate) fn parse(words: &[OsString]) -> PictureCommand {
 fn alone<A: FromArgMatches>(name: &'static str, words: &[OsString]) -> A {
     let all = Other::augment_subcommands(Command::new("viz"));
     let command = all.find_subcommand(name).cloned().unwrap_or_else(|| Command::new(name));
-    let command = command.version(runner::release(build_stamp::STAMP));
     A::from_arg_matches(&command.get_matches_from(words)).unwrap_or_else(|e| e.exit())
 }

@@ -165,8 +165,8 @@ pub fn edition_wish(grow: bool, edition: Option<u32>) -> EditionWish {
     }
 }
 
-/// Runs a stage program: its words in, of which the first is its name, its exit code out. `stamp` is the build's
-/// (`build_stamp::STAMP`).
+/// Runs a stage program: its words in, of which the first is its name, its exit code out. `stamp` is the
+/// build's (`build_stamp::STAMP`).
 #[must_use]
 pub fn run<S: StageSettings>(words: Vec<OsString>, stage: Stage<S>, stamp: &[u8; STAMP_LEN]) -> ExitCode {
     let command = StageArgs::command().name(S::STAGE).version(runner::release(stamp));
