@@ -116,15 +116,15 @@ fn is_ego(args: &Evaluate, agent: AgentId, by_default: &str) -> bool {
 
 /// The part of the ego's frame in which boxes count.
 fn extent(args: &Evaluate) -> Result<Option<Extent>, EvaluateError> {
-    let Some(range_m) = &args.range_m else { return Ok(None) };
-    match range_m[..] {
-        [x0, y0, x1, y1] if range_m.iter().all(|v| v.is_finite()) && x0 < x1 && y0 < y1 => {
-            Ok(Some(Extent { from_m: [x0, y0], to_m: [x1, y1] }))
-        }
-        _ => Err(refused(format!(
-            "--range-m is {range_m:?}, expected the least x and y, then the greatest, such as -51.2,-51.2,51.2,51.2"
-        ))),
+    let Some([x0, y0, x1, y1]) = args.range_m else { return Ok(None) };
+    // Not so where one of them is no number.
+    if x0 < x1 && y0 < y1 {
+        return Ok(Some(Extent { from_m: [x0, y0], to_m: [x1, y1] }));
     }
+    Err(refused(format!(
+        "--range-m is {:?}, expected the least x and y, then the greatest, such as -51.2,-51.2,51.2,51.2",
+        [x0, y0, x1, y1]
+    )))
 }
 
 /// Frames that a file leaves out between others are no samples: scores may be better than the model is.

@@ -11,9 +11,9 @@ use crate::shipped::text_at;
 use crate::suspicions::{self, Suspicion};
 use crate::{rig_keys, yaml};
 
-/// Reads a configuration file, or one that comes with the programs by its name, and what in it is suspicious:
-/// keys that ask for something in vain, or for something that is hardly meant. Files whose names end in `.yaml` or `.yml` are read as SimBEV2X
-/// configurations.
+/// Reads a configuration file, or one that comes with the programs by its name, and what in it is
+/// suspicious: keys that ask for something in vain, or for something that is hardly meant. Files whose
+/// names end in `.yaml` or `.yml` are read as SimBEV2X configurations.
 ///
 /// # Errors
 /// All faults of the file, with line numbers.

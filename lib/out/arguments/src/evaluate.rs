@@ -58,10 +58,10 @@ pub struct Evaluate {
     /// How much higher or lower a partner may be, m.
     #[arg(long, value_name = "M", default_value_t = 4.8)]
     pub elevation_m: f64,
-    /// Only boxes with their middle in this part of the ego's frame count, m: the least x (ahead) and y (to the
-    /// left), then the greatest, such as -51.2,-51.2,51.2,51.2.
-    #[arg(long, value_name = "X0,Y0,X1,Y1", value_delimiter = ',', num_args = 4, allow_hyphen_values = true)]
-    pub range_m: Option<Vec<f64>>,
+    /// Only boxes with their middle in this part of the ego's frame count, m: the least x (ahead) and y (to
+    /// the left), then the greatest, such as -51.2,-51.2,51.2,51.2.
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = four_numbers, allow_hyphen_values = true)]
+    pub range_m: Option<[f64; 4]>,
     /// Let nuScenes' attributes follow from the predicted speed where none is said.
     #[arg(long)]
     pub attributes_by_speed: bool,
@@ -82,6 +82,14 @@ pub struct Evaluate {
     /// Worker threads (default: all cores). The numbers do not depend on it.
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+}
+
+/// Four numbers with commas between them.
+fn four_numbers(text: &str) -> Result<[f64; 4], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    numbers.ok().and_then(|numbers| numbers.try_into().ok()).ok_or_else(|| {
+        "expected four numbers: the least x and y, then the greatest, such as -51.2,-51.2,51.2,51.2".into()
+    })
 }
 
 /// What scenes are put together by.

@@ -25,7 +25,8 @@ pub struct Measure {
     /// Which of the targets or cells: all, or those of a difficulty, a distance, ...; of what is confused,
     /// the class for which it is taken.
     pub level: &'static str,
-    /// `AP`, `mAP`, `ATE`, `mATE`, ..., `SDS`, `NDS`, `NDS without AAE`, `targets`, `IoU`, `mIoU`, `cells`, `confused`.
+    /// `AP`, `mAP`, `ATE`, `mATE`, ..., `SDS`, `NDS`, `NDS without AAE`, `targets`, `IoU`, `mIoU`, `cells`,
+    /// `confused`.
     pub name: &'static str,
     /// The distance up to which (m), the overlap or the score from which on something is found; none of what
     /// is a mean over several of them, or a count.

@@ -173,9 +173,10 @@ fn add_sample(
             score: found.score,
             solid: found.solid,
             distance_m: found.solid.away_m(pose.xyz_m),
-            attribute: found
-                .attribute
-                .or_else(|| attribute::by_speed(found).filter(|_| plan.attributes_by_speed)),
+            attribute: found.attribute.or_else(|| {
+                attribute::by_speed(found.class, found.solid.velocity_mps)
+                    .filter(|_| plan.attributes_by_speed)
+            }),
         };
         if plan.protocols.contains(&Protocol::SimBev2x) {
             let of = |found: &&FoundBox| Some(prediction(found.class.in_simbev2x()?, found));

@@ -1,6 +1,6 @@
-//! SimBEV2X's detection metrics: mAP by difficulty, four errors, SDS; and mAP by distance and by which agents
-//! saw the target. Targets are found by the distance of centres (four thresholds) or by the overlap of volumes
-//! (nine): the number of thresholds tells which.
+//! SimBEV2X's detection metrics: mAP by difficulty, four errors, SDS; and mAP by distance and by which
+//! agents saw the target. Targets are found by the distance of centres (four thresholds) or by the overlap
+//! of volumes (nine): the number of thresholds tells which.
 
 use rayon::prelude::*;
 use schema::DetectionClass;
@@ -27,8 +27,8 @@ fn cap(class: usize) -> usize {
     }
 }
 
-/// The predictions of a class in a sample that count: the surest first, of equal scores the earlier first, and
-/// no more than the class's cap.
+/// The predictions of a class in a sample that count: the surest first, of equal scores the earlier first,
+/// and no more than the class's cap.
 pub(crate) fn surest(class: usize, predictions: &[Prediction]) -> Vec<&Prediction> {
     let mut own: Vec<&Prediction> = predictions.iter().filter(|p| p.class == class).collect();
     own.sort_by(|a, b| by_score(a.score, b.score));
@@ -91,8 +91,8 @@ pub(crate) struct Finding<const N: usize> {
 }
 
 impl<const N: usize> Finding<N> {
-    /// Which target each of the surest predictions finds, by threshold: in their order they choose the nearest
-    /// that is free, and find it up to the threshold.
+    /// Which target each of the surest predictions finds, by threshold: in their order they choose the
+    /// nearest that is free, and find it up to the threshold.
     pub(crate) fn assigned(&self, surest: &[&Prediction], targets: &[&Target]) -> [Vec<Option<usize>>; N] {
         let distances = Distances::new(surest, targets, |p, t| (self.away)(p, t));
         self.up_to.map(|up_to| distances.assign(surest.len(), |away| away <= up_to))
@@ -104,9 +104,9 @@ pub(crate) const BY_DISTANCE: Finding<4> =
     Finding { away: |p, t| t.solid.distance_m(&p.solid), up_to: THRESHOLDS_M };
 
 impl SimBev2xTally<4> {
-    /// Adds a sample's targets and predictions, whose classes are numbers of [`DetectionClass::ALL`], found by
-    /// the distance of their middles. Of equal scores the earlier counts as the surer, within a sample and
-    /// among samples. Velocities that are not known count as none.
+    /// Adds a sample's targets and predictions, whose classes are numbers of [`DetectionClass::ALL`], found
+    /// by the distance of their middles. Of equal scores the earlier counts as the surer, within a sample
+    /// and among samples. Velocities that are not known count as none.
     pub fn add(&mut self, targets: &[Target], predictions: &[Prediction]) {
         self.add_by(targets, predictions, &BY_DISTANCE);
     }

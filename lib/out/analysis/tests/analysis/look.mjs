@@ -7,7 +7,7 @@ import { createServer } from 'node:http'
 import { mkdir, readFile, writeFile } from 'node:fs/promises'
 import path from 'node:path'
 import { pathToFileURL } from 'node:url'
-import { Chromium } from '../../../../viewer/test/chromium.mjs'
+import { Chromium } from '../../../../../viewer/test/chromium.mjs'
 
 const [program, folder, shots] = process.argv.slice(2)
 

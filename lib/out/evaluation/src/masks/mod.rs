@@ -5,5 +5,7 @@ mod run;
 mod tally;
 
 pub use folder::{MaskFolder, SCORE_TYPES};
-pub use run::{MaskEvaluation, MaskMode, MaskPlan, evaluate_masks};
-pub use tally::{Grid, GridError, MASK_THRESHOLDS, MaskClass, MaskScores, MaskTally, Misfit, passed};
+pub use run::{MaskEvaluation, MaskPlan, evaluate_masks};
+pub use tally::{
+    Grid, GridError, MASK_THRESHOLDS, MaskClass, MaskMode, MaskScores, MaskTally, Misfit, passed,
+};

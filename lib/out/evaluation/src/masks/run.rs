@@ -9,10 +9,9 @@ use schema::{AgentId, BevClass};
 use serde::Deserialize;
 
 use super::folder::MaskFolder;
-use super::tally::{Grid, MaskScores, MaskTally};
+use super::tally::{Grid, MaskMode, MaskTally};
 use crate::EvaluationError;
 use crate::measures::of_mask_modes;
-use crate::mode::Mode;
 use crate::result::{ResultRow, rows_of};
 
 /// Masks have at most so many channels.
@@ -25,15 +24,6 @@ struct Description {
     cells: usize,
     cell_m: f64,
     every_n_frames: u32,
-}
-
-/// The scores of the masks of one mode.
-#[derive(Clone, Debug)]
-pub struct MaskMode {
-    /// With whom the model worked together.
-    pub mode: Mode,
-    /// Its scores.
-    pub scores: MaskScores,
 }
 
 /// What came of it.

@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use schema::BevClass;
 
+use crate::mode::Mode;
 use crate::protocol::mean_of_numbers;
 use crate::ring::Ring;
 
@@ -246,6 +247,15 @@ impl MaskClass {
         let all = self.iou[0].into_iter().zip(MASK_THRESHOLDS).rev();
         all.max_by(|a, b| a.0.partial_cmp(&b.0).unwrap_or(Ordering::Equal)).unwrap_or_default()
     }
+}
+
+/// The scores of the masks of one mode.
+#[derive(Clone, Debug)]
+pub struct MaskMode {
+    /// With whom the model worked together.
+    pub mode: Mode,
+    /// Its scores.
+    pub scores: MaskScores,
 }
 
 /// The scores of all classes.

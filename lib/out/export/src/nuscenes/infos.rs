@@ -1,10 +1,10 @@
 //! What mmdet3d reads of a nuScenes export: one file for each split with all samples, in the form of its
 //! version 1.1 and later, and in that of 0.x, which BEVFusion and others read.
 //!
-//! Its own converter knows three names of versions and nuScenes' own lists of scenes, and would find no sample
-//! here. Fields and conventions are those of its converter: boxes in the frame of `LIDAR_TOP`, centres in the
-//! middle; sizes are length, width, height with the yaw about z in the one form, width, length, height with
-//! `-yaw - pi/2` in the other; up to ten earlier sweeps.
+//! Its own converter knows three names of versions and nuScenes' own lists of scenes, and would find no
+//! sample here. Fields and conventions are those of its converter: boxes in the frame of `LIDAR_TOP`,
+//! centres in the middle; sizes are length, width, height with the yaw about z in the one form, width,
+//! length, height with `-yaw - pi/2` in the other; up to ten earlier sweeps.
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;

@@ -1,5 +1,5 @@
-//! Python's pickles (protocol 2), as far as dictionaries, lists, texts, numbers and numpy's arrays go: written
-//! piece by piece, so that a list may be longer than memory.
+//! Python's pickles (protocol 2), as far as dictionaries, lists, texts, numbers and numpy's arrays go:
+//! written piece by piece, so that a list may be longer than memory.
 
 /// A value that is written at once.
 #[derive(Clone, Debug, PartialEq)]
