@@ -70,20 +70,21 @@ fn settings_are_written_as_ever() {
         said += &format!("{name}: {}\n", digests.iter().map(|d| &d[..8]).collect::<Vec<_>>().join(" "));
     }
     insta::assert_snapshot!(said, @r"
-    benchmark-gpu.toml: 545123aa f772e48e 315e07af 0e37fd3f 5c801ac1 a436178d 6613bdbf 5207b9fd 0f1d1761
-    benchmark.toml: 1b58147b 2174f3fa 9bd97d37 711a7267 5c801ac1 a436178d e1c2dea8 5207b9fd e00b19f6
-    day-and-night.toml: 8edc065c caba3b23 e3ac8abc 65b302c6 961b4abb 0a4ec2fd 322f19e3 eab30c91 b39ae58c
-    demo.toml: f8801ff6 056dfa7c e3ac8abc c20b4b2b 961b4abb 8331b841 5f2eeba9 eab30c91 fe03a8a2
-    simbev2x-full.toml: 35e5d40e 00522d85 cd6439a3 016f0e4e 961b4abb 0a4ec2fd 322f19e3 eab30c91 e87c5a7f
-    town03.toml: 24a4df01 0fb9d819 e3ac8abc af99136b 961b4abb 8331b841 5f2eeba9 eab30c91 dafa5808
-    town04.toml: ea041b6c 4cc2e2d7 e3ac8abc c0144bb8 961b4abb 8331b841 5f2eeba9 eab30c91 4fa69b5b
-    town10.toml: 5ded1352 d799cfcd e3ac8abc 89f0cb48 961b4abb 8331b841 5f2eeba9 eab30c91 cccee083
+    benchmark-gpu.toml: 92d61ab6 f772e48e 94a92673 0e37fd3f 5c801ac1 a436178d 6613bdbf 5207b9fd 0f1d1761
+    benchmark.toml: ce71fedf 2174f3fa 6ddbadbf 711a7267 5c801ac1 a436178d e1c2dea8 5207b9fd e00b19f6
+    day-and-night.toml: 21ce82d0 caba3b23 82b5e6b3 65b302c6 961b4abb 0a4ec2fd 322f19e3 eab30c91 b39ae58c
+    demo.toml: 187866b6 056dfa7c 82b5e6b3 c20b4b2b 961b4abb 8331b841 5f2eeba9 eab30c91 fe03a8a2
+    simbev2x-full.toml: 3a404c6e 00522d85 a54aebcf 016f0e4e 961b4abb 0a4ec2fd 322f19e3 eab30c91 e87c5a7f
+    tiny.toml: 8b2d1585 f2d02299 dd4ad3e7 127b718e b67157b0 ac1c5d5d 31afe447 eab30c91 b63739ed
+    town03.toml: 735f3480 0fb9d819 82b5e6b3 af99136b 961b4abb 8331b841 5f2eeba9 eab30c91 dafa5808
+    town04.toml: e797202e 4cc2e2d7 82b5e6b3 c0144bb8 961b4abb 8331b841 5f2eeba9 eab30c91 4fa69b5b
+    town10.toml: 00239d85 d799cfcd 82b5e6b3 89f0cb48 961b4abb 8331b841 5f2eeba9 eab30c91 cccee083
     every_key.toml: 0f5065d7 0011915a b4c47427 2f86cf5c ff64fdd9 5729b336 b14115f7 364d2be1 3ecc8f04
-    every_key.yaml: 64b9b880 6a6b2630 ed854b02 931cb5c2 d92a2cd4 a9d6c410 8f7b9b9a eab30c91 c2f67f5c
-    rigs/nuscenes.toml: c5a84d3d 5834cd7f cd6439a3 c2b790a0 961b4abb ef24d922 5102b1d9 eab30c91 de8af1e7
-    rigs/opv2v-rsu.toml: 67ff8e56 5834cd7f cd6439a3 c875a191 961b4abb ef24d922 cd424764 eab30c91 a6a5fc24
-    rigs/opv2v.toml: aa93f831 5834cd7f cd6439a3 53a05ec5 961b4abb ef24d922 9afbf752 eab30c91 a08a105c
-    rigs/simbev2x-rsu.toml: 378c825a 5834cd7f cd6439a3 f8ce41e8 961b4abb 7adb271d 787aa86a eab30c91 723ade2d
-    rigs/simbev2x-vehicle.toml: 52d3cf5a 5834cd7f cd6439a3 f6405367 961b4abb 7adb271d 7aefe54b eab30c91 eb2dda11
+    every_key.yaml: 9948aab7 6a6b2630 a31c28ce 931cb5c2 d92a2cd4 a9d6c410 8f7b9b9a eab30c91 c2f67f5c
+    rigs/nuscenes.toml: 1ba223ab 5834cd7f a54aebcf c2b790a0 961b4abb ef24d922 5102b1d9 eab30c91 de8af1e7
+    rigs/opv2v-rsu.toml: 9d106fc5 5834cd7f a54aebcf c875a191 961b4abb ef24d922 cd424764 eab30c91 a6a5fc24
+    rigs/opv2v.toml: b500e091 5834cd7f a54aebcf 53a05ec5 961b4abb ef24d922 9afbf752 eab30c91 a08a105c
+    rigs/simbev2x-rsu.toml: 166f17c1 5834cd7f a54aebcf f8ce41e8 961b4abb 7adb271d 787aa86a eab30c91 723ade2d
+    rigs/simbev2x-vehicle.toml: 400de71b 5834cd7f a54aebcf f6405367 961b4abb 7adb271d 7aefe54b eab30c91 eb2dda11
     ");
 }
