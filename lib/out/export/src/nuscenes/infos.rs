@@ -214,7 +214,7 @@ impl Tables {
         let sample = |(token, _): &(String, u64)| -> Option<Sample<'_>> {
             let is_own =
                 |reading: &&Reading<'_>| reading.of.is_key_frame && reading.of.sample_token == *token;
-            let at = sweeps.iter().position(|reading| is_own(reading))?;
+            let at = sweeps.iter().position(is_own)?;
             let lidar = *sweeps[at];
             let earlier = sweeps[..at].iter().rev().take(MOST_SWEEPS).map(|reading| **reading).collect();
             let is_camera = |reading: &&Reading<'_>| !reading.calibration.camera_intrinsic.is_empty();
