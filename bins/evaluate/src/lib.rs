@@ -12,8 +12,8 @@ use std::process::ExitCode;
 use arguments::evaluate as asked;
 use arguments::evaluate::{Evaluate, Metrics};
 use evaluation::{
-    Evaluation, EvaluationError, ExportedSamples, Extent, MaskEvaluation, MaskFolder, MaskPlan, Plan,
-    PredictionFile, Protocol, SeenBy, evaluate, evaluate_masks, read_results, write_measures,
+    Breakdown, Evaluation, EvaluationError, ExportedSamples, Extent, MaskEvaluation, MaskFolder, MaskPlan,
+    Plan, PredictionFile, Protocol, SeenBy, evaluate, evaluate_masks, read_results, write_measures,
 };
 use export_core::{Selection, Source, matches};
 use runner::{EXIT_DONE, report, say};
@@ -127,6 +127,10 @@ fn extent(args: &Evaluate) -> Result<Option<Extent>, EvaluateError> {
     )))
 }
 
+fn breakdown(args: &Evaluate) -> Breakdown {
+    Breakdown { bootstrap_rounds: args.bootstrap, by_map: args.by == Some(asked::Part::Map) }
+}
+
 /// Frames that a file leaves out between others are no samples: scores may be better than the model is.
 fn warn_of_gaps(result: &Evaluation) {
     if result.counts.between > 0 {
@@ -165,15 +169,16 @@ fn boxes(args: &Evaluate, store: &Store, predictions: &Path) -> Result<Evaluatio
         extent: extent(args)?,
         attributes_by_speed: args.attributes_by_speed,
         worst_frames: args.report.is_some().then_some(WORST_FRAMES),
-        bootstrap_rounds: args.bootstrap,
-        by_map: args.by == Some(asked::Part::Map),
+        breakdown: breakdown(args),
         is_ego: &|agent| is_ego(args, agent, egos),
     };
     if args.every.is_none() {
         let named: BTreeSet<u32> = file.scenes().collect();
         let silent = scenes.iter().filter(|scene| !named.contains(&scene.scene())).count();
         // Whoever chose scenes expects all of them to be looked at.
-        if silent > 0 && !(args.scenes.is_none() && args.split.is_empty() && args.group.is_empty()) {
+        let is_chosen = args.scenes.is_some()
+            || [args.split.is_empty(), args.group.is_empty(), args.edition.is_empty()].contains(&false);
+        if silent > 0 && is_chosen {
             tracing::warn!(
                 "{silent} of the {} scenes that are wanted are not in the file and not evaluated",
                 scenes.len()
@@ -209,8 +214,7 @@ fn masks(args: &Evaluate, store: &Store, folder: &Path) -> Result<MaskEvaluation
     let wanted = wanted(args, store, &[AgentRow::STAGE, BEV_MASKS.stage])?;
     let plan = MaskPlan {
         every_n_frames: args.every,
-        bootstrap_rounds: args.bootstrap,
-        by_map: args.by == Some(asked::Part::Map),
+        breakdown: breakdown(args),
         is_ego: &|agent| is_ego(args, agent, VEHICLES),
     };
     Ok(evaluate_masks(&readers(&wanted)?, &folder, &plan)?)

@@ -141,6 +141,9 @@ fn named_samples(bench: &Bench, good: &[(&'static str, ArrayRef)]) {
     let (_, out) = scores(&three, &["--seen", "nobody", "--range-m=0,-20,20,20"]);
     assert!(targets(&out) > 0.0 && targets(&out) < all, "{} of {all}", targets(&out));
     assert!((value(&out, "simbev2x", "mAP") - 1.0).abs() < 1e-9);
+    // Where no box lies nothing is found, and the file is as good as before.
+    let (outcome, _) = scores(&three, &["--seen", "nobody", "--range-m", "9000,9000,9001,9001"]);
+    assert!(outcome.stdout.starts_with("3 samples, 0 predictions"), "{}", outcome.stdout);
     for (args, want) in [
         (
             &["--range-m", "20,-20,0,20"][..],

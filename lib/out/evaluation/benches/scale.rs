@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use arrow_array::{ArrayRef, FixedSizeListArray, Float64Array, RecordBatch, StringArray, UInt32Array};
 use arrow_schema::{DataType, Field};
-use evaluation::{Plan, PredictionFile, Protocol, SeenBy, evaluate};
+use evaluation::{Breakdown, Plan, PredictionFile, Protocol, SeenBy, evaluate};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
@@ -57,8 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             extent: None,
             attributes_by_speed: false,
             worst_frames: None,
-            bootstrap_rounds: 0,
-            by_map: false,
+            breakdown: Breakdown::default(),
             is_ego: &|agent| agent.kind == AgentKind::Vehicle,
         };
         let result = pool.install(|| evaluate(&readers, &opened, &plan))?;

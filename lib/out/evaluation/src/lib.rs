@@ -51,7 +51,7 @@ pub use pairs::{Paired, Sample, ScenePairs};
 pub use predictions::{COLUMNS, ColumnDoc, FoundBox, PredictionFile, PredictionRow};
 pub use protocol::{Protocol, THRESHOLDS_M, THRESHOLDS_VOLUME_IOU};
 pub use resample::Spread;
-pub use result::{Evaluation, ResultRow};
+pub use result::{Breakdown, Evaluation, ResultRow};
 pub use results::{ExportedSamples, read_results};
 pub use ring::Ring;
 pub use run::{Plan, evaluate};

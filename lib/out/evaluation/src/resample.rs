@@ -24,18 +24,18 @@ pub struct Spread {
     pub gain: Option<[f64; 3]>,
 }
 
-/// The spread of each of the measures of `parts`, one part a scene, by so many rounds.
+/// The spread of each of the measures `whole` of `parts`, one part a scene, by so many rounds.
 pub(crate) fn spreads<P: Sync>(
-    parts: &[P],
+    parts: &[&P],
+    whole: &[Measure],
     rounds: u32,
     measures: impl Fn(&[&P]) -> Vec<Measure> + Sync,
 ) -> Vec<Spread> {
-    let whole = measures(&parts.iter().collect::<Vec<_>>());
     let drawn: Vec<Vec<f64>> = (0..rounds)
         .into_par_iter()
         .map(|round| {
             let mut stream = Stream::new(0, u64::from(round), "evaluation/bootstrap", 0);
-            let some: Vec<&P> = parts.iter().filter_map(|_| stream.choose(parts)).collect();
+            let some: Vec<&P> = parts.iter().filter_map(|_| stream.choose(parts).copied()).collect();
             measures(&some).into_iter().map(|measure| measure.value).collect()
         })
         .collect();
@@ -88,9 +88,10 @@ mod tests {
         // Two modes whose scores differ by 1 in every scene, though scenes differ by up to 100.
         let scenes: Vec<f64> = (0..100).map(f64::from).collect();
         let mean = |some: &[&f64]| some.iter().copied().sum::<f64>() / some.len() as f64;
-        let spreads = spreads(&scenes, 2000, |some| {
-            vec![measure(Mode::None, mean(some)), measure(Mode::X2x, mean(some) + 1.0)]
-        });
+        let parts: Vec<&f64> = scenes.iter().collect();
+        let measures =
+            |some: &[&f64]| vec![measure(Mode::None, mean(some)), measure(Mode::X2x, mean(some) + 1.0)];
+        let spreads = spreads(&parts, &measures(&parts), 2000, measures);
         // The mean of 100 draws of 0 to 99 is 49.5, its deviation 28.87 / 10.
         let [low, high] = spreads[0].interval;
         assert!((low - (49.5 - 1.96 * 2.887)).abs() < 0.4 && (high - (49.5 + 1.96 * 2.887)).abs() < 0.4);

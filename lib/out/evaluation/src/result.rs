@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::measures::{Measure, of_modes};
-use crate::mode::Mode;
+use crate::EvaluationError;
+use crate::measures::Measure;
 use crate::resample::{Spread, spreads};
-use crate::tally::{Counts, ModeScores, Part, Wanted};
+use crate::tally::{Counts, ModeScores};
 
 /// What came of it.
 #[derive(Clone, Debug)]
@@ -29,49 +29,63 @@ pub struct ResultRow {
     pub spread: Option<Spread>,
 }
 
-impl Evaluation {
-    pub(crate) fn new(
-        modes: Vec<Mode>,
-        whole: &Part,
-        of_scenes: Vec<(String, Part)>,
-        bootstrap_rounds: u32,
-        by_map: bool,
-        wanted: Wanted,
-    ) -> Self {
-        let scores = whole.scores(&modes, &wanted);
-        let numbers_alone = Wanted { worst_frames: None, ..wanted };
-        let measures = |some: &[&Part]| {
-            of_modes(&Part::of_all(modes.len(), some.iter().copied()).scores(&modes, &numbers_alone))
-        };
-        let mut by_name: BTreeMap<String, Vec<Part>> = BTreeMap::new();
-        let mut parts = Vec::with_capacity(of_scenes.len());
-        for (map, part) in of_scenes {
-            if by_map {
-                by_name.entry(map).or_default().push(part.clone());
-            }
-            parts.push(part);
-        }
-        let mut rows = rows_of(None, of_modes(&scores), &parts, bootstrap_rounds, measures);
-        for (map, parts) in by_name {
-            let values = measures(&parts.iter().collect::<Vec<_>>());
-            rows.extend(rows_of(Some(map), values, &parts, bootstrap_rounds, measures));
-        }
-        Self { modes: scores, counts: whole.counts, rows }
-    }
+/// What is told besides the numbers of all scenes together.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Breakdown {
+    /// How often as many scenes as there are are drawn to say how sure scores are; 0: never.
+    pub bootstrap_rounds: u32,
+    /// Whether scores are given by map, too.
+    pub by_map: bool,
 }
 
-/// Rows of some measures, with their spread over the scenes of `parts` where there are at least two.
-pub(crate) fn rows_of<P: Sync>(
-    map: Option<String>,
-    values: Vec<Measure>,
-    parts: &[P],
-    rounds: u32,
-    measures: impl Fn(&[&P]) -> Vec<Measure> + Sync,
-) -> Vec<ResultRow> {
-    let mut spread = Vec::new();
-    if rounds > 0 && parts.len() > 1 {
-        spread = spreads(parts, rounds, measures);
+impl Breakdown {
+    /// Whether it asks for what each scene gave.
+    pub(crate) fn needs_scenes(&self) -> bool {
+        self.bootstrap_rounds > 0 || self.by_map
     }
-    let row = |(i, measure)| ResultRow { map: map.clone(), measure, spread: spread.get(i).copied() };
-    values.into_iter().enumerate().map(row).collect()
+
+    /// The rows of all scenes, whose numbers are `whole`, and of each map; `of_scenes` has the map and the
+    /// part of each scene, and `measures` the numbers of some parts.
+    ///
+    /// # Errors
+    /// Scenes are to be drawn and there is but one.
+    pub(crate) fn rows<P: Sync>(
+        &self,
+        whole: Vec<Measure>,
+        of_scenes: &[(String, P)],
+        measures: impl Fn(&[&P]) -> Vec<Measure> + Sync,
+    ) -> Result<Vec<ResultRow>, EvaluationError> {
+        if self.bootstrap_rounds > 0 && of_scenes.len() < 2 {
+            return Err(EvaluationError::Refused(
+                "--bootstrap draws scenes, and there is but one that is evaluated".into(),
+            ));
+        }
+        let all: Vec<&P> = of_scenes.iter().map(|(_, part)| part).collect();
+        let mut rows = self.rows_of(None, whole, &all, &measures);
+        let mut by_map: BTreeMap<&str, Vec<&P>> = BTreeMap::new();
+        for (map, part) in of_scenes.iter().filter(|_| self.by_map) {
+            by_map.entry(map).or_default().push(part);
+        }
+        for (map, parts) in by_map {
+            rows.extend(self.rows_of(Some(map), measures(&parts), &parts, &measures));
+        }
+        Ok(rows)
+    }
+
+    /// Rows of some values, with their spread over the scenes of `parts` where there are at least two.
+    fn rows_of<P: Sync>(
+        &self,
+        map: Option<&str>,
+        values: Vec<Measure>,
+        parts: &[&P],
+        measures: &(impl Fn(&[&P]) -> Vec<Measure> + Sync),
+    ) -> Vec<ResultRow> {
+        let mut spread = Vec::new();
+        if self.bootstrap_rounds > 0 && parts.len() > 1 {
+            spread = spreads(parts, &values, self.bootstrap_rounds, measures);
+        }
+        let row =
+            |(i, measure)| ResultRow { map: map.map(str::to_owned), measure, spread: spread.get(i).copied() };
+        values.into_iter().enumerate().map(row).collect()
+    }
 }

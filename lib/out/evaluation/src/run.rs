@@ -8,10 +8,11 @@ use crate::EvaluationError;
 use crate::attribute;
 use crate::boxes::{Prediction, SampleId, Solid, Target};
 use crate::extent::Extent;
+use crate::measures::of_modes;
 use crate::mode::{Mode, SeenBy};
 use crate::predictions::{FoundBox, PredictionFile, PredictionRow};
 use crate::protocol::Protocol;
-use crate::result::Evaluation;
+use crate::result::{Breakdown, Evaluation};
 use crate::sample::{SceneRows, range_of};
 use crate::samples::Samples;
 use crate::tally::{Part, Wanted};
@@ -35,10 +36,8 @@ pub struct Plan<'a> {
     /// How many of the worst frames are told, with curves and what was found at which distance; none: nothing
     /// of all this.
     pub worst_frames: Option<usize>,
-    /// How often as many scenes as there are are drawn to say how sure scores are; 0: never.
-    pub bootstrap_rounds: u32,
-    /// Whether scores are given by map, too.
-    pub by_map: bool,
+    /// What is told besides.
+    pub breakdown: Breakdown,
     /// Which agents are egos.
     pub is_ego: &'a (dyn Fn(AgentId) -> bool + Sync),
 }
@@ -56,33 +55,32 @@ pub fn evaluate(
     plan: &Plan<'_>,
 ) -> Result<Evaluation, EvaluationError> {
     let modes: Vec<Mode> = file.modes().collect();
-    let keeps_scenes = plan.bootstrap_rounds > 0 || plan.by_map;
     let (mut whole, mut of_scenes) = (Part::new(modes.len()), Vec::new());
     for some in scenes.chunks(rayon::current_num_threads().max(1)) {
         let parts: Vec<_> = some.par_iter().map(|scene| of_scene(scene, file, &modes, plan)).collect();
         for (part, scene) in parts.into_iter().zip(some) {
             let part = part?;
-            if keeps_scenes && part.counts.samples > 0 {
+            if plan.breakdown.needs_scenes() && part.counts.samples > 0 {
                 of_scenes.push((scene.info()?.map.clone(), part.clone()));
             }
             whole.append(part);
         }
     }
-    if whole.counts.predictions + whole.counts.without_boxes == 0 {
+    if whole.counts.rows == 0 {
         let problem = "none of its rows is of a frame and agent that is evaluated".to_owned();
         return Err(EvaluationError::Predictions { path: file.path().to_owned(), problem });
-    }
-    if plan.bootstrap_rounds > 0 && of_scenes.len() < 2 {
-        return Err(EvaluationError::Refused(
-            "--bootstrap draws scenes, and there is but one that is evaluated".into(),
-        ));
     }
     let wanted = Wanted {
         protocols: plan.protocols.to_vec(),
         worst_frames: plan.worst_frames,
         has_attributes: file.has_attributes() || plan.attributes_by_speed,
     };
-    Ok(Evaluation::new(modes, &whole, of_scenes, plan.bootstrap_rounds, plan.by_map, wanted))
+    let scores = whole.scores(&modes, &wanted);
+    let numbers_alone = Wanted { worst_frames: None, ..wanted };
+    let rows = plan.breakdown.rows(of_modes(&scores), &of_scenes, |some| {
+        of_modes(&Part::of_all(modes.len(), some.iter().copied()).scores(&modes, &numbers_alone))
+    })?;
+    Ok(Evaluation { modes: scores, counts: whole.counts, rows })
 }
 
 fn of_scene(
@@ -108,7 +106,7 @@ fn of_scene(
         None => Samples::named(&rows),
     };
     let mut whole = Part::new(modes.len());
-    whole.counts.left_out = (all - rows.len()) as u64;
+    (whole.counts.rows, whole.counts.left_out) = (rows.len() as u64, (all - rows.len()) as u64);
     (whole.counts.without_boxes, whole.counts.between) = (samples.without_boxes, samples.between);
     let labels = SceneLabels::read(scene, |frame| samples.has_frame(frame))?;
     let egos: Vec<_> = samples.frames().collect();
@@ -178,16 +176,16 @@ fn add_sample(
                     .filter(|_| plan.attributes_by_speed)
             }),
         };
+        let of_simbev2x = |found: &&FoundBox| Some(prediction(found.class.in_simbev2x()?, found));
+        let own: Vec<Prediction> = found.iter().filter_map(of_simbev2x).collect();
         if plan.protocols.contains(&Protocol::SimBev2x) {
-            let of = |found: &&FoundBox| Some(prediction(found.class.in_simbev2x()?, found));
             if plan.worst_frames.is_some() {
                 tally.simbev2x.begin(SampleId { scene, frame, ego });
             }
-            tally.simbev2x.add(&simbev2x, &found.iter().filter_map(of).collect::<Vec<_>>());
+            tally.simbev2x.add(&simbev2x, &own);
         }
         if plan.protocols.contains(&Protocol::SimBev2xIou) {
-            let of = |found: &&FoundBox| Some(prediction(found.class.in_simbev2x()?, found));
-            tally.simbev2x_iou.add_by_overlap(&simbev2x, &found.iter().filter_map(of).collect::<Vec<_>>());
+            tally.simbev2x_iou.add_by_overlap(&simbev2x, &own);
         }
         if plan.protocols.contains(&Protocol::NuScenes) {
             let known = || found.iter().filter_map(|found| Some((found.class.in_nuscenes()?, *found)));

@@ -78,9 +78,11 @@ pub struct Counts {
     pub without_boxes: u64,
     /// How many lie between those that the file names and are not named, and so not looked at.
     pub between: u64,
+    /// Rows of the file that are of these samples, whether they have a box and where it is.
+    pub rows: u64,
     /// Predictions that were looked at.
     pub predictions: u64,
-    /// Predictions of other frames and egos of these scenes, which were left out.
+    /// Rows of other frames and egos of these scenes, which were left out.
     pub left_out: u64,
 }
 
@@ -102,6 +104,7 @@ impl Part {
         counts.samples += later.counts.samples;
         counts.without_boxes += later.counts.without_boxes;
         counts.between += later.counts.between;
+        counts.rows += later.counts.rows;
         counts.predictions += later.counts.predictions;
         counts.left_out += later.counts.left_out;
         self.modes.iter_mut().zip(later.modes).for_each(|(tally, later)| tally.append(later));

@@ -12,7 +12,7 @@ use super::folder::MaskFolder;
 use super::tally::{Grid, MaskMode, MaskTally};
 use crate::EvaluationError;
 use crate::measures::of_mask_modes;
-use crate::result::{ResultRow, rows_of};
+use crate::result::{Breakdown, ResultRow};
 
 /// Masks have at most so many channels.
 const MOST_CLASSES: usize = 32;
@@ -39,10 +39,8 @@ pub struct MaskEvaluation {
 pub struct MaskPlan<'a> {
     /// Frames 0, n, 2 n, ... are evaluated; none: all that have masks.
     pub every_n_frames: Option<u32>,
-    /// How often as many scenes as there are are drawn to say how sure scores are; 0: never.
-    pub bootstrap_rounds: u32,
-    /// Whether scores are given by map, too.
-    pub by_map: bool,
+    /// What is told besides.
+    pub breakdown: Breakdown,
     /// Which agents are egos.
     pub is_ego: &'a (dyn Fn(AgentId) -> bool + Sync),
 }
@@ -78,42 +76,26 @@ pub fn evaluate_masks(
         ));
     };
     let (classes, _) = describe(first)?;
-    let mut by_scene: BTreeMap<u32, (String, Vec<MaskTally>)> = BTreeMap::new();
+    let mut of_scenes: BTreeMap<u32, (String, Vec<MaskTally>)> = BTreeMap::new();
     let nothing = vec![MaskTally::new(&classes); masks.modes().len()];
     for some in egos.chunks(4 * rayon::current_num_threads().max(1)) {
         let parts: Vec<_> =
             some.par_iter().map(|ego| of_ego(ego, masks, plan.every_n_frames, &classes)).collect();
         for (ego, part) in some.iter().zip(parts) {
-            let scene = by_scene.entry(ego.scene.scene());
+            let scene = of_scenes.entry(ego.scene.scene());
             let (_, tallies) = scene.or_insert((ego.scene.info()?.map.clone(), nothing.clone()));
             append(tallies, &part?);
         }
     }
-    if plan.bootstrap_rounds > 0 && by_scene.len() < 2 {
-        return Err(EvaluationError::Refused(
-            "--bootstrap draws scenes, and there is but one that is evaluated".into(),
-        ));
-    }
+    let of_scenes: Vec<_> = of_scenes.into_values().collect();
     let scores = |some: &[&Vec<MaskTally>]| -> Vec<MaskMode> {
         let mut tallies = nothing.clone();
         some.iter().for_each(|part| append(&mut tallies, part));
         let modes = masks.modes().iter().zip(&tallies);
         modes.map(|(mode, tally)| MaskMode { mode: *mode, scores: tally.scores() }).collect()
     };
-    let measures = |some: &[&Vec<MaskTally>]| of_mask_modes(&scores(some));
-    let (mut by_map, mut parts) = (BTreeMap::<String, Vec<Vec<MaskTally>>>::new(), Vec::new());
-    for (map, part) in by_scene.into_values() {
-        if plan.by_map {
-            by_map.entry(map).or_default().push(part.clone());
-        }
-        parts.push(part);
-    }
-    let modes = scores(&parts.iter().collect::<Vec<_>>());
-    let mut rows = rows_of(None, of_mask_modes(&modes), &parts, plan.bootstrap_rounds, measures);
-    for (map, parts) in by_map {
-        let values = measures(&parts.iter().collect::<Vec<_>>());
-        rows.extend(rows_of(Some(map), values, &parts, plan.bootstrap_rounds, measures));
-    }
+    let modes = scores(&of_scenes.iter().map(|(_, part)| part).collect::<Vec<_>>());
+    let rows = plan.breakdown.rows(of_mask_modes(&modes), &of_scenes, |some| of_mask_modes(&scores(some)))?;
     Ok(MaskEvaluation { modes, rows })
 }
 
