@@ -4,6 +4,7 @@ import os
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -62,6 +63,24 @@ class Evaluate(unittest.TestCase):
             os.chmod(broken, 0o755)
             with self.assertRaisesRegex(convoy.ProgramError, "does not start"):
                 convoy.evaluate(truth(folder), STORE, program=broken)
+
+class Places(unittest.TestCase):
+    def test_the_environments_own_program_comes_before_the_paths(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("own", "path"):
+                program = Path(folder, name, "convoy")
+                program.parent.mkdir()
+                program.write_text("#!/bin/sh\n")
+                os.chmod(program, 0o755)
+            variables = {k: v for k, v in os.environ.items() if k != "CONVOY_PROGRAM"}
+            with mock.patch.dict(os.environ, variables | {"PATH": str(Path(folder, "path"))}, clear=True):
+                with mock.patch("sysconfig.get_path", return_value=str(Path(folder, "own"))):
+                    self.assertEqual(convoy.evaluation.found(), str(Path(folder, "own", "convoy")))
+                with mock.patch("sysconfig.get_path", return_value=str(Path(folder, "nothing"))):
+                    self.assertEqual(convoy.evaluation.found(), str(Path(folder, "path", "convoy")))
+                os.environ["CONVOY_PROGRAM"] = "named"
+                with self.assertRaisesRegex(convoy.ProgramError, "no program named"):
+                    convoy.evaluation.found()
 
 
 if __name__ == "__main__":

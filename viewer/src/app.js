@@ -65,6 +65,7 @@ export class App {
 
   async openScene(folder) {
     const version = ++this.version
+    this.panels.tools.endFilm()
     this.player.toggle(false)
     this.notes.clear()
     this.setNote('scene', note('busy', `Scene ${folder} is read …`))
@@ -174,6 +175,7 @@ export class App {
   }
 
   setView(view) {
+    this.panels.tools.endFilm()
     this.choices.view = view
     this.panels.views()
     this.resize()
@@ -479,9 +481,8 @@ export class App {
     this.player.step(seconds, this.frame, this.scene?.frames ?? 0)
     if (this.view.navigation.step(seconds, this.isShiftHeld)) this.isDirty = true
     this.panels.waiting(this.player.isWaiting)
-    if (!this.isDirty) return
-    this.isDirty = false
-    if (this.choices.view === '3d') this.view.render()
+    if (this.choices.view !== '3d') this.isDirty = false
+    else if (this.view.tick(now, this.isDirty)) this.isDirty = false
   }
 
   /** The address follows the choices, some moments later. */

@@ -5,7 +5,7 @@ import { MODES } from './view/navigation.js'
 import { COLORINGS } from './view/points.js'
 
 export const LAYERS = ['points', 'boxes', 'labels', 'map', 'tracks', 'voxels', 'grid']
-export const MARKS = ['boxes', 'boxes2d', 'masks', 'names']
+export const MARKS = ['boxes', 'boxes2d', 'masks', 'flow', 'names']
 export const VIEWS = ['3d', 'cameras', 'bev']
 export const BOX_COLORINGS = ['class', 'id', 'agent']
 export const KINDS = ['RGB', 'SEG', 'IST', 'DPT']

@@ -3,6 +3,7 @@
 import { AskPanel } from './ask_panel.js'
 import { GRIDS, LAYERS, LEVELS, MARKS, OCCLUDED, QUESTIONS, VIEWS, VOXEL_DETAIL, WITHIN_M } from './choices.js'
 import { agentColor, css, rampCss, readable } from './colors.js'
+import { Plots } from './plots.js'
 import { Tools } from './tools.js'
 import { $, boxFacts, check, make, options, swatch } from './ui.js'
 import { MAP_KINDS } from './view/lines.js'
@@ -11,7 +12,7 @@ import { COLORINGS } from './view/points.js'
 
 const LAYER_KEYS = { KeyP: 'points', KeyB: 'boxes', KeyL: 'labels', KeyM: 'map', KeyT: 'tracks', KeyX: 'voxels', KeyG: 'grid' }
 const LAYER_NAMES = { labels: 'labels', map: 'map lines' }
-const MARK_NAMES = { boxes: 'boxes, 3-D', boxes2d: 'boxes, 2-D', masks: 'masks', names: 'names' }
+const MARK_NAMES = { boxes: 'boxes, 3-D', boxes2d: 'boxes, 2-D', masks: 'masks', flow: 'flow', names: 'names' }
 const GRID_NAMES = { agent: 'one agent', agents: 'all agents', object: 'chosen object' }
 const MODE_NAMES = { follow: ['Around', 'Around the agent'], chase: ['Behind', 'Behind the agent'], top: ['Above', 'From above'], fly: ['Free', 'Fly: W A S D Q E'] }
 const COLOR_NAMES = { height: 'height', tag: 'semantic tag', id: 'object id', intensity: 'intensity', agent: 'agent', plain: 'grey' }
@@ -36,6 +37,7 @@ export class Panels {
     this.colorings()
     $('modes').replaceChildren(...MODES.map(mode => this.button(MODE_NAMES[mode][0], MODE_NAMES[mode][1], () => this.setMode(mode), mode)))
     this.tools = new Tools(app, this)
+    this.plots = new Plots(frame => app.setFrame(frame))
   }
 
   /** Colourings that the points on the screen do not say cannot be chosen. */
@@ -213,6 +215,7 @@ export class Panels {
     const period = app.names.frame_period_s
     $('slider').value = app.frame
     $('slider').setAttribute('aria-valuetext', `frame ${this.first + app.frame}`)
+    if (app.frame === app.scene.frames - 1) this.tools.endFilm()
     const shown = this.first + app.frame
     $('time').replaceChildren(make('b', { textContent: String(shown) }), ` / ${this.first + app.scene.frames - 1} · ${(shown * period).toFixed(2)} s`)
   }
@@ -237,7 +240,21 @@ export class Panels {
     if (box) for (const [name, value] of boxFacts(box)) list.append(make('dt', { textContent: name }), make('dd', { textContent: value }))
     const parts = [make('h2', {}, box?.isPrediction ? 'Prediction' : `Object ${app.chosen}`, close)]
     if (box && !box.isPrediction) parts.push(this.camerasOf())
-    $('object').replaceChildren(...parts, box ? list : make('p', { textContent: 'In no list at this frame.' }))
+    $('object').replaceChildren(...parts, box ? list : make('p', { textContent: 'In no list at this frame.' }), ...this.plotsOf(box))
+  }
+
+  /** What the chosen object does over the scene; predictions have no ids over time. */
+  plotsOf(box) {
+    const { app } = this
+    if (box?.isPrediction) return []
+    const key = [app.scene.folder, app.chosen, app.ego].join()
+    if (this.plotted !== key) {
+      this.plotted = key
+      const { tables, frames } = app.scene
+      this.plots.show(tables.history(app.chosen, app.egoAgent), { frames, every: tables.everyNFrames, first: this.first })
+    }
+    this.plots.at(app.frame, app.scene.tables.boxFrame(app.frame))
+    return [this.plots.element]
   }
 
   /** A button: all cameras that see the chosen object. */

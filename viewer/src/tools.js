@@ -1,12 +1,22 @@
 // Tools over the view: a search by id, measuring, saving a picture.
 
+import { Film, canFilm } from './film.js'
 import { $, make, note } from './ui.js'
+
+/** Saves a file. */
+function download(blob, name) {
+  const url = URL.createObjectURL(blob)
+  make('a', { href: url, download: name }).click()
+  setTimeout(() => URL.revokeObjectURL(url), 10_000)
+}
 
 export class Tools {
   constructor(app, panels) {
     Object.assign(this, { app, panels })
     $('measure').addEventListener('click', () => this.measure())
     $('picture').addEventListener('click', () => this.savePicture())
+    $('film').hidden = !canFilm()
+    $('film').addEventListener('click', () => this.toggleFilm())
     $('search').addEventListener('submit', e => {
       e.preventDefault()
       this.search($('search-id').value.trim())
@@ -43,8 +53,38 @@ export class Tools {
     const canvas = view === 'bev' ? app.bev.canvas : [...app.grid.pictures.values()][0]?.element.canvas
     const blob = view === '3d' ? await app.view.picture() : await new Promise(done => canvas ? canvas.toBlob(done, 'image/png') : done(null))
     if (!blob) return
-    const url = URL.createObjectURL(blob)
-    make('a', { href: url, download: `convoy-${app.scene.folder}-${String(this.panels.first + app.frame).padStart(4, '0')}-${view}.png` }).click()
-    setTimeout(() => URL.revokeObjectURL(url), 10_000)
+    download(blob, `${this.fileName()}-${view}.png`)
+  }
+
+  fileName() {
+    const { app } = this
+    return `convoy-${app.scene.folder}-${String(this.panels.first + app.frame).padStart(4, '0')}`
+  }
+
+  /** Records the 3-D view while it plays, until the button is pressed again, another view is chosen, or the scene ends. */
+  async toggleFilm() {
+    const { app, panels } = this
+    const { view } = app
+    if (view.film) return this.endFilm()
+    this.filmName = `${this.fileName()}.webm`
+    view.film = new Film(view.renderer.domElement)
+    $('film').setAttribute('aria-pressed', true)
+    app.isDirty = true
+    if (!app.player.isPlaying) panels.play(true)
+  }
+
+  async endFilm() {
+    const { app, panels } = this
+    const { film } = app.view
+    if (!film) return
+    app.view.film = null
+    $('film').setAttribute('aria-pressed', false)
+    if (app.player.isPlaying) panels.play(false)
+    try {
+      download(await film.end(), this.filmName)
+      app.setNote('film', null)
+    } catch (error) {
+      app.fail('film', error)
+    }
   }
 }

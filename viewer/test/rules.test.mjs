@@ -4,10 +4,14 @@
 
 import assert from 'node:assert/strict'
 import test from 'node:test'
+import { spread } from '../src/data/decode.js'
 import { partnersOf, sightOf } from '../src/data/cooperation.js'
 import { ScenePredictions, resultsOf, tally } from '../src/data/predictions.js'
+import { flowArrows, half } from '../src/data/flow.js'
 import { sightings } from '../src/data/sightings.js'
 import { filtered } from '../src/filters.js'
+import { pieces } from '../src/plots.js'
+import { shareFor } from '../src/view/detail.js'
 
 const places = new Map([['vehicle_0', [0, 0, 0]], ['vehicle_1', [80, 0, 0]], ['vehicle_2', [80, 0, 0.1]], ['rsu_0', [10, 0, 4.8]], ['rsu_1', [10, 0, 5]]])
 const limits = { range: 80, elevation: 4.8 }
@@ -94,4 +98,52 @@ test('filters leave the chosen one', () => {
   assert.ok(isLeft(0.5) && !isLeft(0.6) && !isLeft(undefined))
   // Only where a question wants to know what nobody saw.
   assert.ok(!passes({ valid: true }) && passes({ valid: true, ask: 'partners' }))
+})
+
+test('each front part of a reading is spread over all of it', () => {
+  for (const count of [0, 1, 31, 32, 1000, 65_537]) {
+    const order = spread(count)
+    assert.deepEqual([...order].sort((a, b) => a - b), Array.from({ length: count }, (_, i) => i))
+    for (const part of [1 / 16, 1 / 8, 1 / 4, 1 / 2]) {
+      const front = [...order.subarray(0, Math.ceil(part * count))].sort((a, b) => a - b)
+      const gaps = front.slice(1).map((v, i) => v - front[i])
+      assert.ok(gaps.every(gap => gap <= 2 / part), `${count}, ${part}: a gap of ${Math.max(...gaps)}`)
+    }
+  }
+})
+
+test('as many points are drawn as there is time for', () => {
+  assert.equal(shareFor(1, 20), 1)
+  assert.equal(shareFor(1, 80), 1)
+  assert.equal(shareFor(1, 320), 0.25)
+  assert.equal(shareFor(1, 1e6), 1 / 32)
+  // Times vary: more points come in steps of a quarter.
+  assert.equal(shareFor(0.25, 10), 0.3125)
+  assert.equal(shareFor(0.9, 10), 1)
+})
+
+test('a plot is broken where an object is in no list', () => {
+  const at = frames => frames.map(frame => ({ frame }))
+  assert.deepEqual(pieces(at([0, 2, 4, 8, 10]), 2).map(line => line.map(p => p.frame)), [[0, 2, 4], [8, 10]])
+  assert.deepEqual(pieces([], 1), [])
+})
+
+test('16-bit floats are read as IEEE 754 says', () => {
+  for (const [bytes, value] of [[[0, 0x3c], 1], [[0, 0xc0], -2], [[0xff, 0x7b], 65504], [[1, 0], 2 ** -24], [[0x55, 0x35], 0.333251953125], [[0, 0x7c], Infinity]]) {
+    assert.equal(half(bytes), value)
+  }
+  assert.ok(Number.isNaN(half([1, 0x7c])))
+})
+
+test('arrows of flow are means of cells, in pixels, down positive', () => {
+  // What turns about a place (3, 2) by a small angle moves across its radius.
+  const [width, height, cell] = [16, 8, 4]
+  const dx = Float32Array.from({ length: width * height }, (_, i) => ((Math.floor(i / width) + 0.5) - 2) * 2 / width)
+  const dy = Float32Array.from({ length: width * height }, (_, i) => ((i % width + 0.5) - 3) * 2 / height)
+  const arrows = flowArrows({ dx, dy, width, height, cell })
+  assert.equal(arrows.length, 4 * 4 * 2)
+  for (let i = 0; i < arrows.length; i += 4) {
+    const [u, v, du, dv] = arrows.subarray(i, i + 4)
+    assert.ok(Math.abs(du - (v - 2)) < 1e-5 && Math.abs(dv + (u - 3)) < 1e-5, `${[u, v, du, dv]}`)
+  }
 })

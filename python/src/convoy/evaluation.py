@@ -6,6 +6,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sysconfig
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -55,8 +56,8 @@ def evaluate(
 ) -> Evaluation:
     """Scores a Parquet file of predictions against a store, a folder or a URL, with `convoy evaluate`.
 
-    The program is `program`, or what the variable CONVOY_PROGRAM names, or `convoy` on the path, or target/release/convoy here;
-    `options` are further ones of its command line. Raises `ProgramError`.
+    The program is `program`, or what the variable CONVOY_PROGRAM names, or this environment's own (the wheel `convoy-v2x` brings
+    one), or `convoy` on the path, or target/release/convoy here; `options` are further ones of its command line. Raises `ProgramError`.
     """
     convoy = found(program)
     place_of(store)  # Faults repeat the command, which must have no secrets in it.
@@ -74,14 +75,18 @@ def evaluate(
 def found(program: str | os.PathLike[str] | None = None) -> str:
     """Where the program `convoy` is."""
     named = program or os.environ.get("CONVOY_PROGRAM")
-    built = pathlib.Path("target/release/convoy").absolute()
-    where = shutil.which(named or "convoy") or (str(built) if built.exists() and not named else None)
+    if named:
+        where = shutil.which(named)
+    else:
+        # The environment's programs lie beside its Python, which may be started without them on the path.
+        places = [sysconfig.get_path("scripts"), None, str(pathlib.Path("target/release").absolute())]
+        where = next(filter(None, (shutil.which("convoy", path=place) for place in places)), None)
     if where is None:
         raise ProgramError(
             f"there is no program {named}"
             if named
-            else "there is no program convoy on the path or in target/release: "
-            "`make build` makes it, the variable CONVOY_PROGRAM may name it"
+            else "there is no program convoy in this environment, on the path or in target/release: "
+            "the wheel convoy-v2x or `make build` brings it, the variable CONVOY_PROGRAM may name it"
         )
     return where
 

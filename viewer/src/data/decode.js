@@ -1,6 +1,7 @@
 // What workers do: one function for each kind of request, plain values and transferable buffers out.
 
 import { idColor } from '../colors.js'
+import { flowArrows, half } from './flow.js'
 import { Npz } from './npz.js'
 import { ParquetFile, flat, offsets } from './parquet.js'
 import { voxelFaces } from './voxels.js'
@@ -10,6 +11,21 @@ const OPEN_FILES = 64
 /** Tags of things that move or are put up one by one: instance masks show these. */
 const MASKED_TAGS = new Set([7, 8, 12, 13, 14, 15, 16, 18, 19, 30, 31])
 const DEPTH_SHOWN_M = 100
+
+const EVERY = 32
+
+/** Numbers from 0 to `count` - 1 in an order in which each part at the front is spread evenly over all of them. */
+export function spread(count) {
+  const order = new Uint32Array(count)
+  let next = 0
+  for (let turn = 0; turn < EVERY; turn++) {
+    // The five bits of a turn, the last one first: 0, 16, 8, 24, 4, ...
+    let first = 0
+    for (let bit = 0; bit < 5; bit++) first |= ((turn >> bit) & 1) << (4 - bit)
+    for (let i = first; i < count; i += EVERY) order[next++] = i
+  }
+  return order
+}
 
 export class Decoder {
   constructor(files) {
@@ -68,7 +84,7 @@ export class Decoder {
     return [{ rows: file.rows, columns, sensor: file.note('sensor') }, [...new Set(transfer)]]
   }
 
-  /** One reading of a lidar or radar: `position` (x, y, z in the sensor's frame, m), `facts` (intensity, tag, id low, id high), a radar's `speed` (m/s). */
+  /** One reading of a lidar or radar, its points in the order of `spread`: `position` (x, y, z in the sensor's frame, m), `facts` (intensity, tag, id low, id high), a radar's `speed` (m/s). */
   async points(request) {
     const file = await this.open(ParquetFile, request)
     const isRadar = file.columns.has('depth')
@@ -80,38 +96,43 @@ export class Decoder {
     const count = to - from
     const position = new Float32Array(3 * count)
     const facts = new Uint8Array(4 * count)
+    const order = spread(count)
     const take = name => columns[name]?.values.subarray(from, to)
     if (isRadar) {
       const [depth, altitude, azimuth] = ['depth', 'altitude', 'azimuth'].map(take)
       for (let i = 0; i < count; i++) {
-        const across = depth[i] * Math.cos(altitude[i])
-        position[3 * i] = across * Math.cos(azimuth[i])
-        position[3 * i + 1] = across * Math.sin(azimuth[i])
-        position[3 * i + 2] = depth[i] * Math.sin(altitude[i])
+        const at = order[i]
+        const across = depth[at] * Math.cos(altitude[at])
+        position[3 * i] = across * Math.cos(azimuth[at])
+        position[3 * i + 1] = across * Math.sin(azimuth[at])
+        position[3 * i + 2] = depth[at] * Math.sin(altitude[at])
       }
     } else {
       const [x, y, z] = ['x', 'y', 'z'].map(take)
       for (let i = 0; i < count; i++) {
-        position[3 * i] = x[i]
-        position[3 * i + 1] = y[i]
-        position[3 * i + 2] = z[i]
+        const at = order[i]
+        position[3 * i] = x[at]
+        position[3 * i + 1] = y[at]
+        position[3 * i + 2] = z[at]
       }
     }
     const [intensity, id, tag] = ['intensity', 'id', 'tag'].map(take)
     let tags = 0
     for (let i = 0; i < count; i++) {
-      facts[4 * i] = intensity ? 255 * intensity[i] : 255
+      const at = order[i]
+      facts[4 * i] = intensity ? 255 * intensity[at] : 255
       if (tag) {
-        facts[4 * i + 1] = tag[i]
-        tags |= 1 << tag[i]
+        facts[4 * i + 1] = tag[at]
+        tags |= 1 << tag[at]
       }
       if (id) {
-        facts[4 * i + 2] = id[i] & 255
-        facts[4 * i + 3] = id[i] >> 8
+        facts[4 * i + 2] = id[at] & 255
+        facts[4 * i + 3] = id[at] >> 8
       }
     }
     // A copy: what lies in the page of the file is not handed over.
-    const speed = isRadar ? Float32Array.from(take('velocity') ?? []) : null
+    const velocity = isRadar ? take('velocity') ?? [] : null
+    const speed = velocity && Float32Array.from(velocity, (_, i) => velocity[order[i]])
     const transfer = [position.buffer, facts.buffer, ...speed ? [speed.buffer] : []]
     return [{ count, position, facts, speed, tags: tags >>> 0, bytes: (speed ? 20 : 16) * count }, transfer]
   }
@@ -133,6 +154,25 @@ export class Decoder {
       picture = small
     }
     return [{ picture, width, height, bytes: 4 * picture.width * picture.height }, [picture]]
+  }
+
+  /** Optical flow as arrows, see `flowArrows`: about `across` of them beside one another. */
+  async flow(request) {
+    const file = await this.open(ParquetFile, request)
+    const { group, row } = file.locate(request.row)
+    const columns = await file.readGroup(group, ['width', 'height', 'dx', 'dy'])
+    const rows = Number(file.groups[group].num_rows)
+    const [width, height] = [flat(columns.width, rows)[row], flat(columns.height, rows)[row]]
+    const [dx, dy] = [columns.dx, columns.dy].map(column => {
+      const starts = offsets(column, rows)
+      const [from, to] = [starts[row], starts[row + 1]]
+      // 16-bit floats lie there as bytes, most of them by their number in a dictionary.
+      if (!column.dictionary && !Array.isArray(column.values)) return column.values.subarray(from, to)
+      const bytes = i => column.dictionary ? column.dictionary[column.values[i]] : column.values[i]
+      return Float32Array.from({ length: to - from }, (_, i) => half(bytes(from + i)))
+    })
+    const arrows = flowArrows({ dx, dy, width, height, cell: Math.max(4, Math.round(width / request.across)) })
+    return [{ arrows, bytes: arrows.byteLength }, [arrows.buffer]]
   }
 
   /** A frame's BEV masks as one picture: later channels over earlier ones, hidden ones left out. */

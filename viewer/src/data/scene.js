@@ -94,6 +94,19 @@ export class SceneTables {
     return best
   }
 
+  /** What an object does over the scene, seen from an agent: `[{frame, speed, distance, lidarPoints, seers}]`; null is not known. */
+  history(id, agent) {
+    const found = []
+    for (const [frame, rows] of this.boxRows) {
+      const row = rows.find(r => this.boxes.id[r] === id)
+      if (row === undefined) continue
+      const { center, speed, lidarPoints, seenBy } = this.box(row)
+      const e = this.poseAt(agent, frame).matrix.elements
+      found.push({ frame, speed, distance: Math.hypot(...center.map((v, i) => v - e[12 + i])), lidarPoints, seers: this.isMerged ? seenBy.length : null })
+    }
+    return found.sort((a, b) => a.frame - b.frame)
+  }
+
   box(row) {
     const b = this.boxes
     const triple = column => [column[3 * row], column[3 * row + 1], column[3 * row + 2]]

@@ -137,6 +137,10 @@ export class Scene {
     return { kind: 'image', ...await this.reading(agent, `${kind}-${camera}`, frame), show, width }
   }
 
+  async flowRequest(agent, camera, frame, across) {
+    return { kind: 'flow', ...await this.reading(agent, `FLW-${camera}`, frame), across }
+  }
+
   async archive(path) {
     if (!this.about.has(path)) this.about.set(path, await this.cache.get({ kind: 'archive', ...this.file(path) }))
     return this.about.get(path)

@@ -10,6 +10,10 @@ import { boxName } from '../ui.js'
 export const FAR_M = 120
 /** Farther away than this a box is too short to reach the camera, m. */
 const NEAR_M = 15
+/** Arrows of flow beside one another, and the shortest that is drawn, pixels of the picture. */
+const FLOW_ACROSS = 40
+const FLOW_LEAST_PX = 0.5
+const FLOW_COLOR = '#ffd84d'
 /** What is made of the pixels of each kind of image. */
 export const SHOWN_AS = { RGB: 'plain', SEG: 'plain', IST: 'instance', DPT: 'depth' }
 
@@ -37,6 +41,7 @@ export async function drawCamera(element, { scene, agent, kind, camera, frame, w
     if (withMask) wanted.push(scene.imageRequest(agent.name, 'IST', camera, frame, 'mask', width))
     const requests = await Promise.all(wanted)
     const [image, mask] = await Promise.all(requests.map(request => scene.cache.get(request)))
+    const flow = marks.has('flow') ? await flowOf(scene, agent.name, camera, frame) : null
     const inPicture = marks.has('boxes2d') ? await boxesInPicture(scene, agent.name, camera, frame - frame % (about.every_n_frames ?? 1)) : []
     if (!isCurrent()) return false
     message.textContent = ''
@@ -51,6 +56,7 @@ export async function drawCamera(element, { scene, agent, kind, camera, frame, w
     context.lineJoin = 'round'
     // A pixel of the screen in the picture's own.
     const unit = image.width / (canvas.clientWidth || picture.width)
+    if (flow) drawFlow(context, flow, unit)
     if (marks.has('boxes')) drawBoxes(context, { scene, agent, about, frame, boxes, colorOf, chosen, unit, withNames: marks.has('names') })
     for (const box of inPicture) {
       context.lineWidth = 1.5 * unit
@@ -125,6 +131,28 @@ function name(context, text, u, v, unit) {
   context.fillStyle = '#fff'
   context.textBaseline = 'middle'
   context.fillText(text, u, v - 8.5 * unit)
+}
+
+/** Arrows of the flow that is at hand, or null. */
+async function flowOf(scene, agent, camera, frame) {
+  if (!scene.has(`sensors/${agent}/FLW-${camera}.parquet`)) return null
+  return (await scene.cache.get(await scene.flowRequest(agent, camera, frame, FLOW_ACROSS))).arrows
+}
+
+/** Lines from where what is seen was a frame ago, with a dot where it is. */
+function drawFlow(context, arrows, unit) {
+  context.setLineDash([])
+  context.lineWidth = 1.4 * unit
+  context.strokeStyle = context.fillStyle = FLOW_COLOR
+  context.beginPath()
+  for (let i = 0; i < arrows.length; i += 4) {
+    const [u, v, du, dv] = arrows.subarray(i, i + 4)
+    if (!(Math.hypot(du, dv) > FLOW_LEAST_PX)) continue
+    context.moveTo(u - du, v - dv)
+    context.lineTo(u, v)
+    context.fillRect(u - 1.5 * unit, v - 1.5 * unit, 3 * unit, 3 * unit)
+  }
+  context.stroke()
 }
 
 async function boxesInPicture(scene, agent, camera, frame) {

@@ -87,6 +87,7 @@ export class PointStyle {
 export class PointCloud {
   constructor(style, color) {
     this.capacity = 0
+    this.count = 0
     const material = new ShaderMaterial({
       vertexShader: VERTEX, fragmentShader: FRAGMENT,
       uniforms: { ...style.shared, agentColor: { value: new Vector3(...bytesOf(color).map(v => v / 255)) } },
@@ -113,8 +114,13 @@ export class PointCloud {
       attribute.addUpdateRange(0, values.length)
       attribute.needsUpdate = true
     }
-    this.object.geometry.setDrawRange(0, reading.count)
+    this.count = reading.count
     this.showSpeeds(reading, matrix, velocity)
+  }
+
+  /** Draws a share of the points: those at the front of a reading are spread over all of it. */
+  draw(share) {
+    this.object.geometry.setDrawRange(0, Math.ceil(share * this.count))
   }
 
   /** Lines along a radar's rays, as long as a second's way over ground; `velocity` is the agent's in the world, m/s. */

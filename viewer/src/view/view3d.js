@@ -4,6 +4,7 @@ import { Color, ColorManagement, GridHelper, Group, LinearSRGBColorSpace, Perspe
 import { agentColor, bytesOf, idColor, readable } from '../colors.js'
 import { poseMatrix, rayMeetsBox } from '../geometry.js'
 import { BoxLines } from './boxes.js'
+import { Detail } from './detail.js'
 import { Links } from './links.js'
 import { TrackLines, mapLines } from './lines.js'
 import { Measure, placeUnder } from './measure.js'
@@ -25,7 +26,9 @@ const CELL_M = 10
 export class View3d {
   constructor(host, tags, changed) {
     this.host = host
-    this.renderer = new WebGLRenderer({ antialias: true, powerPreference: 'high-performance' })
+    this.isSoftware = drawsInSoftware()
+    this.renderer = new WebGLRenderer({ antialias: !this.isSoftware, powerPreference: 'high-performance' })
+    this.detail = new Detail(this.renderer.getContext())
     this.renderer.outputColorSpace = LinearSRGBColorSpace
     const canvas = this.renderer.domElement
     canvas.setAttribute('aria-label', '3-D view of the scene')
@@ -51,6 +54,8 @@ export class View3d {
     this.static = new Group()
     this.graph.add(...this.boxes.objects, ...this.predicted.objects, ...this.links.objects, this.tracks.object, this.voxels.object, this.static)
     this.labelList = []
+    /** What is recorded, if anything is. */
+    this.film = null
     this.setTheme(true)
   }
 
@@ -169,7 +174,7 @@ export class View3d {
   resize() {
     const { clientWidth: width, clientHeight: height } = this.host
     if (!width || !height) return false
-    const ratio = Math.min(devicePixelRatio, 2)
+    const ratio = this.isSoftware ? 1 : Math.min(devicePixelRatio, 2)
     this.renderer.setPixelRatio(ratio)
     this.renderer.setSize(width, height)
     this.overlay.resize(width, height, ratio)
@@ -190,10 +195,31 @@ export class View3d {
     return new Promise(resolve => canvas.toBlob(resolve, 'image/png'))
   }
 
-  render() {
+  /** Draws what has changed, or what was left out of a moving picture; whether it did. */
+  tick(now, isDirty) {
+    const share = this.detail.next(now, isDirty)
+    if (share === null) return false
+    this.render(share)
+    this.detail.drawn(now, share)
+    return true
+  }
+
+  /** Draws now, with a share of the points. */
+  render(share = 1) {
+    for (const cloud of this.clouds.values()) cloud.draw(share)
     this.renderer.render(this.graph, this.camera)
     this.overlay.draw(this.camera, this.navigation.controls.target, this.labelList, this.theme)
+    this.film?.take(this.renderer.domElement, this.overlay.canvas)
   }
+}
+
+/** Whether the browser has no graphics card to draw with. */
+function drawsInSoftware() {
+  const context = document.createElement('canvas').getContext('webgl2')
+  const names = context?.getExtension('WEBGL_debug_renderer_info')
+  const name = context?.getParameter(names?.UNMASKED_RENDERER_WEBGL ?? context.RENDERER) ?? ''
+  context?.getExtension('WEBGL_lose_context')?.loseContext()
+  return /swiftshader|llvmpipe|softpipe|basic render/i.test(name)
 }
 
 /** Colour of a box by the chosen rule. */
