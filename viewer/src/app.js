@@ -482,7 +482,7 @@ export class App {
     if (this.view.navigation.step(seconds, this.isShiftHeld)) this.isDirty = true
     this.panels.waiting(this.player.isWaiting)
     if (this.choices.view !== '3d') this.isDirty = false
-    else if (this.view.tick(now, this.isDirty)) this.isDirty = false
+    else if (this.view.tick(now, this.isDirty, this.player.isPlaying)) this.isDirty = false
   }
 
   /** The address follows the choices, some moments later. */

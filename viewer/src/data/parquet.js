@@ -1,21 +1,23 @@
 // Columns of Parquet files as typed arrays. hyparquet parses footers and pages; lists are not assembled into nested plain
 // arrays, as its own reader does: values stay as they lie in the pages, which is an order of magnitude faster.
 
-import { decompress } from 'fzstd'
 import { parquetMetadata } from 'hyparquet'
 import { parquetHeader } from 'hyparquet/src/column.js'
 import { decompressPage, readDataPage } from 'hyparquet/src/datapage.js'
 import { readPlain } from 'hyparquet/src/plain.js'
 import { getMaxDefinitionLevel, getSchemaPath } from 'hyparquet/src/schema.js'
+import { ZSTDDecoder } from 'three/addons/libs/zstddec.module.js'
 
 const TAIL_BYTES = 1 << 16
 /** Columns nearer to one another than this are fetched together, bytes. */
 const GAP_BYTES = 1 << 15
-const compressors = { ZSTD: (bytes, size) => decompress(bytes, new Uint8Array(size)) }
+const zstd = new ZSTDDecoder()
+const compressors = { ZSTD: unpacked }
 const text = new TextDecoder()
 
 export class ParquetFile {
   static async open(files, path, size) {
+    await zstd.init()
     let tail = await files.read(path, Math.max(0, size - TAIL_BYTES), size)
     if (tail.length < 12) throw new Error(`${path}: no Parquet file`)
     const footer = new DataView(tail.buffer, tail.byteOffset).getUint32(tail.length - 8, true) + 8
@@ -105,11 +107,17 @@ export class ParquetFile {
   }
 }
 
+function unpacked(bytes, size) {
+  const page = zstd.decode(bytes, size)
+  // It says nothing of what is damaged.
+  if (page.length !== size) throw new Error('a compressed page is damaged')
+  return page
+}
+
 /** Pages of a column as one: numbers in a typed array, texts as codes into a dictionary, other bytes in a plain array. */
 function joined(pages, dictionary, type, levels) {
   const length = pages.reduce((sum, page) => sum + page.dataPage.length, 0)
   const isBytes = type === 'BYTE_ARRAY' || type === 'FIXED_LEN_BYTE_ARRAY'
-  const flat = part => part.coded && !isBytes ? Array.from(part.dataPage, code => dictionary[code]) : part.dataPage
   let values
   if (isBytes && dictionary && pages.every(page => page.coded)) {
     values = new Uint32Array(length)
@@ -123,15 +131,23 @@ function joined(pages, dictionary, type, levels) {
     if (isBytes && !(values instanceof Uint32Array)) {
       for (const value of page.dataPage) values[at++] = page.coded ? dictionary[value] : value
     } else {
-      const part = isBytes ? page.dataPage : flat(page)
-      if (type === 'INT64') for (const value of part) values[at++] = Number(value)
-      else if (page.coded && !isBytes) decodeInto(values, at, page.dataPage, dictionary), at += part.length
+      const part = page.dataPage
+      if (type === 'INT64') for (const value of part) values[at++] = Number(page.coded ? dictionary[value] : value)
+      else if (page.coded && !isBytes) decodeInto(values, at, part, dictionary), at += part.length
       else values.set(part, at), at += part.length
     }
   }
+  // A list of numbers has as many levels as values: they are put together without plain arrays between.
   const collect = key => {
     if (pages.every(page => !page[key].length)) return null
-    return Uint8Array.from(pages.flatMap(page => page[key].length ? page[key] : new Array(page.count).fill(levels)))
+    const all = new Uint8Array(pages.reduce((sum, page) => sum + (page[key].length || page.count), 0))
+    let to = 0
+    for (const page of pages) {
+      if (page[key].length) all.set(page[key], to)
+      else all.fill(levels, to, to + page.count)
+      to += page[key].length || page.count
+    }
+    return all
   }
   return { values, dictionary: values instanceof Uint32Array ? dictionary : null, definition: collect('definitionLevels'), repetition: collect('repetitionLevels'), levels }
 }

@@ -20,9 +20,9 @@ export class Detail {
     this.drawnShare = 1
   }
 
-  /** Whether a picture has to be drawn now, and of which share of the points: null or a share. `isDirty`: something has changed. */
-  next(now, isDirty) {
-    if (isDirty) this.changed = now
+  /** Which share of the points a picture has to be drawn of now, or null: `isDirty`, something has changed; `isMoving`, it soon will. */
+  next(now, isDirty, isMoving) {
+    if (isDirty || isMoving) this.changed = now
     if (!this.isDone(now)) return null
     if (isDirty) return this.share
     return this.drawnShare < 1 && now - this.changed > STILL_MS ? 1 : null

@@ -196,8 +196,8 @@ export class View3d {
   }
 
   /** Draws what has changed, or what was left out of a moving picture; whether it did. */
-  tick(now, isDirty) {
-    const share = this.detail.next(now, isDirty)
+  tick(now, isDirty, isPlaying) {
+    const share = this.detail.next(now, isDirty, isPlaying)
     if (share === null) return false
     this.render(share)
     this.detail.drawn(now, share)
