@@ -6,13 +6,15 @@ use schema::geometry::Wall;
 use schema::lights;
 use simd::{F32x8, U32x8, Vec3x8, floor_words, hash2, lerp, smoothstep, unit};
 
-use super::front::{Front, own};
+use super::front::Front;
 use super::pattern::{Width, bars};
 use super::room::{Gaze, Pane, inside};
 use super::shaded_triangle::{BrdfSample, Points, ShadedTriangle, Specular, shades};
 
 /// Rain splashes dirt up to this height, metres.
 const SPLASHED_M: f32 = 2.2;
+/// Height of a slat of shutters, metres.
+const SLAT_M: f32 = 0.07;
 /// Share of windows that are lit at night.
 const LIT_SHARE: f32 = 0.42;
 
@@ -42,12 +44,26 @@ pub(super) fn facade(
     let [bay_m, storey_m] = *cell_m;
     let (u, v) = ((along - start_m[0]) * (1.0 / bay_m), (o.z - start_m[1]) * (1.0 / storey_m));
     let (wu, wv) = (Width::new(w * (1.0 / bay_m)), Width::new(w * (1.0 / storey_m)));
-    let opening = windows.opening(u, v, wu, wv);
-    let ledge = windows.ledge(u, v, wu, wv) * style.sill;
+    let widths = [wu, wv];
+    let window = windows.at(u, v, widths);
+    let opening = window.share(u, v, widths, [0.0; 2]);
+    let ledge = window.ledge(u, v, widths) * style.sill;
     let band = bars(v + 0.03, 0.06, wv) * style.band;
-    sample.albedo =
-        sample.albedo.lerp(Vec3x8::splat(rgb * 0.35 + Vec3::splat(0.38)), ledge.fast_max(band) * 0.8);
-    if opening.simd_gt(0.0).none() {
+    // Stone around openings, or shutters beside them.
+    let [beside, above] = [style.surround_m / bay_m, style.surround_m / storey_m];
+    let surround = match style.surround_m > 0.0 {
+        true => window.share(u, v, widths, [beside, above]),
+        false => F32x8::ZERO,
+    };
+    let pale = ledge.fast_max(band).fast_max(surround);
+    sample.albedo = sample.albedo.lerp(Vec3x8::splat(rgb * 0.35 + Vec3::splat(0.38)), pale * 0.8);
+    if let Some(shutter_rgb) = style.shutter_rgb {
+        let shut = window.shutters(u, v, widths);
+        let slats = bars(o.z * (1.0 / SLAT_M), 0.3, Width::new(w * (1.0 / SLAT_M)));
+        sample.albedo = sample.albedo.lerp(shades(shutter_rgb, 1.0 - slats * 0.45), shut);
+    }
+    let rails = window.rails(u, v, widths, *cell_m, *wall == Wall::Panels);
+    if opening.fast_max(rails).simd_gt(0.0).none() {
         return sample;
     }
     // Glass and frame stand back in the wall: what is seen of them is farther along the way one looks.
@@ -59,14 +75,15 @@ pub(super) fn facade(
     };
     let back = F32x8::splat(style.reveal_m) / gaze.inward;
     let (du, dv) = (gaze.along * back * (1.0 / bay_m), gaze.up * back * (1.0 / storey_m));
-    let cell = [floor_words(u), floor_words(v)];
+    let cell = [floor_words(u), floor_words(v - window.lift)];
     let (deep_u, deep_v) = (u + du, v + dv);
-    let glass = windows.panes(deep_u, deep_v, wu, wv) * opening;
-    let framed = windows.opening(deep_u, deep_v, wu, wv) * opening;
-    let frame_rgb = if own(facet.object, 4) > 0.5 { Vec3::splat(0.5) } else { Vec3::new(0.06, 0.055, 0.05) };
+    let glass = window.glass(deep_u, deep_v, widths, *cell_m, style.transom) * opening * (1.0 - rails);
+    let framed = window.share(deep_u, deep_v, widths, [0.0; 2]) * opening;
     sample.albedo = sample.albedo.lerp(Vec3x8::splat(rgb * 0.55 + Vec3::splat(0.05)), opening);
-    sample.albedo = sample.albedo.lerp(Vec3x8::splat(frame_rgb), framed);
+    sample.albedo = sample.albedo.lerp(Vec3x8::splat(style.frame_rgb), framed);
     sample.lean = sample.lean.map(|lean| lean.map(|v| v * (1.0 - opening)));
+    let rail_rgb = if *wall == Wall::Panels { style.panel_rgb } else { Vec3::splat(0.05) };
+    sample.albedo = sample.albedo.lerp(Vec3x8::splat(rail_rgb), rails);
     if glass.simd_gt(0.0).none() {
         return sample;
     }
@@ -75,13 +92,13 @@ pub(super) fn facade(
     let row = cell[1] + U32x8::splat((1000 * side) as u32);
     let word = hash2(cell[0], row, U32x8::splat(u32::from(facet.object).wrapping_mul(0x9e37_79b9)));
     let far = smoothstep(0.12, 0.4, wu.w.fast_max(wv.w));
-    let [left, sill] = windows.start();
+    let (left_u, floor_v) = (u.floor(), (v - window.lift).floor());
     let pane = Pane {
-        at_m: [(deep_u - u.floor()) * bay_m, (deep_v - v.floor()) * storey_m],
+        at_m: [(deep_u - left_u) * bay_m, (deep_v - window.lift - floor_v) * storey_m],
         size_m: *cell_m,
         in_opening: [
-            (deep_u - u.floor() - left) * (1.0 / windows.wide),
-            (deep_v - v.floor() - sill) * (1.0 / windows.high),
+            (deep_u - left_u - window.left) / window.wide,
+            (deep_v - floor_v - window.low) / window.high,
         ],
         word,
     };

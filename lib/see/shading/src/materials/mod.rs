@@ -17,6 +17,7 @@ mod points;
 mod room;
 mod shaded_triangle;
 mod uv_surface;
+mod windows;
 
 pub(crate) use foliage::{foliage, is_leaf};
 pub(crate) use ground::gets_wet;

@@ -21,10 +21,16 @@ impl PatternSet {
 /// 1.
 #[inline]
 pub(super) fn bars(x: F32x8, bar: f32, width: Width) -> F32x8 {
+    bars_of(x, F32x8::splat(bar), width)
+}
+
+/// `bars` whose bars differ.
+#[inline]
+pub(super) fn bars_of(x: F32x8, bar: F32x8, width: Width) -> F32x8 {
     // Length of bar from 0 to t.
     let length = |t: F32x8| {
         let whole = t.floor();
-        whole * bar + (t - whole).fast_min(F32x8::splat(bar))
+        whole * bar + (t - whole).fast_min(bar)
     };
     let half = width.w * 0.5;
     ((length(x + half) - length(x - half)) * width.inverse).fast_clamp(F32x8::ZERO, F32x8::ONE)
