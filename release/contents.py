@@ -67,7 +67,10 @@ def main() -> None:
     silent, components = [], []
     for crate in crates:
         if crate["source"] is None:
-            continue  # Our own: LICENSE-MIT and LICENSE-APACHE lie beside.
+            # Our own: LICENSE-MIT and LICENSE-APACHE lie beside, but what we ship of others has its licence with it.
+            for text in texts(Path(crate["manifest_path"]).parent):
+                by_text[text].append(f"{crate['name']}: {crate['description']}")
+            continue
         label = f"{crate['name']} {crate['version']} ({crate['license'] or 'see its licence file'})"
         found = texts(Path(crate["manifest_path"]).parent)
         for text in found:

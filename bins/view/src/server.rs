@@ -27,8 +27,10 @@ const PIECE: usize = 64 << 10;
 /// For the page: nothing from elsewhere, nothing sent elsewhere, no frame around it.
 const PAGE_POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; \
     style-src 'self'; img-src 'self' data: blob:; connect-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-/// For files of the store, which may come from anybody: a report's own scripts and figures, and no requests.
-const FILE_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src 'self' data:; frame-ancestors 'none'";
+/// For files of the store, which may come from anybody: a report's own scripts, typeface and figures, and no
+/// requests.
+const FILE_POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; font-src data:; img-src 'self' data:; \
+    frame-ancestors 'none'";
 
 /// A server that listens.
 pub(crate) struct Server {

@@ -6,6 +6,9 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Deserialize)]
 pub(crate) struct BevGrid {
     pub(crate) classes: Vec<String>,
+    /// Side of a cell; not every import knows it.
+    #[serde(default)]
+    pub(crate) cell_m: Option<f64>,
     pub(crate) every_n_frames: u32,
 }
 

@@ -1,6 +1,6 @@
 //! What pictures are drawn from.
 
-use pictures::{BoxShape, ColourBy};
+use pictures::{BoxShape, Canvas, ColourBy};
 
 use crate::feed::{AgentFrame, Rig};
 use crate::session::Session;
@@ -14,6 +14,20 @@ pub(crate) struct Desk<'a> {
     pub(crate) rigs: &'a [Rig],
     /// What the colours of points tell, where it was said.
     pub(crate) colour: Option<ColourBy>,
+    /// Height of the text of scales and legends, as a share of a picture's width.
+    pub(crate) text: f64,
+}
+
+impl Desk<'_> {
+    /// Height of the text on a picture, pixels.
+    pub(crate) fn text_px(&self, canvas: &Canvas) -> f64 {
+        self.text * f64::from(canvas.size()[0])
+    }
+
+    /// Width of the thinnest lines of boxes on a picture, pixels.
+    pub(crate) fn line_px(&self, canvas: &Canvas) -> f64 {
+        (0.09 * self.text_px(canvas)).max(0.5)
+    }
 }
 
 /// The boxes of all agents, each object once: as easy as it is to whom it is easiest.

@@ -1,13 +1,14 @@
 //! Draws one picture of one agent.
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use pictures::{
-    BoxShape, Canvas, ColourBy, PictureError, Reach, View, VoxelGrid, decode_jpeg, decode_png, draw_bev,
-    draw_boxes, draw_cloud, draw_depth, draw_flow, draw_ground, draw_instances, draw_voxels,
+    BoxShape, Canvas, ColourBar, ColourBy, PictureError, Reach, Tone, View, VoxelGrid, agent_names,
+    decode_jpeg, decode_png, draw_bev, draw_boxes, draw_cloud, draw_depth, draw_ego, draw_flow, draw_ground,
+    draw_instances, draw_names, draw_rings, draw_voxels, draw_wheel, label_rings,
 };
 use scene::{ArrayReader, SensorKind};
 use schema::arrays::{ArrayKind, BEV_MASKS, VOXEL_CELLS};
-use schema::{AgentId, BevClass, ImageKind, rate};
+use schema::{BevClass, ImageKind, rate};
 
 use crate::archive::{BevGrid, OccupancyGrid};
 use crate::desk::{Desk, boxes_of_all};
@@ -39,7 +40,7 @@ impl Desk<'_> {
             Mode::Together { is_solid, reach } => {
                 self.together((*is_solid, *reach), agent, rig).map(Some).drawing(place)
             }
-            Mode::Bev(palette) => self.bev(*palette, agent.agent, place),
+            Mode::Bev(palette) => self.bev(*palette, agent, place),
             Mode::Voxels { kind, reach } => self.voxels(kind, *reach, agent, rig, place),
             Mode::Scene => crate::scene_view::draw_scene(self).map(Some).drawing(place),
         }
@@ -54,7 +55,11 @@ impl Desk<'_> {
     ) -> Result<Option<Canvas>, PictureError> {
         if kind == ImageKind::Flow {
             let flow = agent.flows.get(table);
-            return flow.map(|f| draw_flow([f.width, f.height], &f.dx, &f.dy)).transpose();
+            let Some(flow) = flow else { return Ok(None) };
+            let (mut canvas, full_px) = draw_flow([flow.width, flow.height], &flow.dx, &flow.dy)?;
+            let text_px = self.text_px(&canvas);
+            draw_wheel(&mut canvas, full_px, text_px);
+            return Ok(Some(canvas));
         }
         let Some(bytes) = agent.images.get(table) else { return Ok(None) };
         Ok(Some(match kind {
@@ -64,14 +69,17 @@ impl Desk<'_> {
                     // Cameras are inside of their own agent's box.
                     let boxes: Vec<BoxShape> =
                         agent.boxes.iter().map(|(b, _)| *b).filter(|b| b.id != agent.id).collect();
-                    let width = line_px(canvas.size()[0]);
+                    let width = self.line_px(&canvas);
                     draw_boxes(&mut canvas, &View::Through(camera), &Isometry3::identity(), &boxes, width);
                 }
                 canvas
             }
             ImageKind::Depth => {
                 let (size, rgb) = decode_png(bytes)?;
-                draw_depth(size, &rgb)?
+                let mut canvas = draw_depth(size, &rgb)?;
+                let text_px = self.text_px(&canvas);
+                ColourBar::DEPTH.draw(&mut canvas, Tone::Dark, text_px);
+                canvas
             }
             ImageKind::Instance => {
                 let (size, rgb) = decode_png(bytes)?;
@@ -104,24 +112,33 @@ impl Desk<'_> {
         let view_from_agent = agent_from_view.inverse();
         let view = view_of(is_solid, reach);
         let (mut canvas, mut depth) = (Canvas::new(view.size(), PAPER)?, Vec::new());
+        let text_px = self.text_px(&canvas);
+        draw_rings(&mut canvas, &view, text_px);
         let ground_z_m = -agent_from_view.translation.z;
-        let mut any = false;
+        let mut by = None;
         for name in names {
             let Some(cloud) = agent.clouds.get(name) else { continue };
-            any = true;
             let placed = view_from_agent * rig.agent_from(name);
             // What nobody knows is not painted, unless it is asked for: that is refused.
             let usual = if cloud.has(source.colour()) { source.colour() } else { ColourBy::Height };
-            let how = (self.colour.unwrap_or(usual), ground_z_m, agent.position);
+            let shown = *by.insert(self.colour.unwrap_or(usual));
+            let how = (shown, ground_z_m, agent.position);
             draw_cloud(&mut canvas, &mut depth, &view, (cloud, &placed), how, side)?;
         }
+        let Some(by) = by else { return Ok(None) };
+        let from_world = view_from_agent * agent.world_from_agent.inverse();
         if has_boxes {
             let boxes: Vec<BoxShape> = agent.boxes.iter().map(|(b, _)| *b).collect();
-            let from_world = view_from_agent * agent.world_from_agent.inverse();
-            let width = line_px(canvas.size()[0]);
+            let width = self.line_px(&canvas);
             draw_boxes(&mut canvas, &view, &from_world, &boxes, width);
         }
-        Ok(any.then_some(canvas))
+        let body = agent.body.map(|corners| corners.map(|corner| from_world * corner));
+        draw_ego(&mut canvas, &view, &view_from_agent, body.as_ref(), text_px);
+        label_rings(&mut canvas, &view, text_px);
+        if let Some(bar) = ColourBar::of(by) {
+            bar.draw(&mut canvas, Tone::Light, text_px);
+        }
+        Ok(Some(canvas))
     }
 
     /// The lidars of all agents in an agent's lidar frame, with the boxes that any of them saw, on the map.
@@ -135,7 +152,9 @@ impl Desk<'_> {
         let view_from_world = (agent.world_from_agent * agent_from_view).inverse();
         let view = view_of(is_solid, reach);
         let (mut canvas, mut depth) = (Canvas::new(view.size(), PAPER)?, Vec::new());
-        draw_ground(&mut canvas, &view, &view_from_world, &self.session.ground);
+        let text_px = self.text_px(&canvas);
+        draw_ground(&mut canvas, &view, &view_from_world, &self.session.ground, text_px / 18.0);
+        draw_rings(&mut canvas, &view, text_px);
         let by = self.colour.unwrap_or(ColourBy::Agent);
         for (other, its_rig) in self.agents.iter().zip(self.rigs) {
             for name in its_rig.names(SensorKind::Lidar) {
@@ -145,23 +164,35 @@ impl Desk<'_> {
                 draw_cloud(&mut canvas, &mut depth, &view, (cloud, &placed), how, dot_px(is_solid, reach))?;
             }
         }
-        let width = line_px(canvas.size()[0]);
+        let width = self.line_px(&canvas);
         draw_boxes(&mut canvas, &view, &view_from_world, &boxes_of_all(self.agents), width);
+        let body = agent.body.map(|corners| corners.map(|corner| view_from_world * corner));
+        draw_ego(&mut canvas, &view, &agent_from_view.inverse(), body.as_ref(), text_px);
+        label_rings(&mut canvas, &view, text_px);
+        match ColourBar::of(by) {
+            Some(bar) => bar.draw(&mut canvas, Tone::Light, text_px),
+            None if by == ColourBy::Agent => {
+                let names: Vec<(usize, String)> =
+                    self.agents.iter().map(|a| (a.position, a.agent.to_string())).collect();
+                draw_names(&mut canvas, &agent_names(&names), text_px);
+            }
+            None => {}
+        }
         Ok(canvas)
     }
 
     fn bev(
         &self,
         palette: pictures::BevPalette,
-        agent: AgentId,
+        agent: &AgentFrame,
         place: impl Fn() -> String,
     ) -> Result<Option<Canvas>, VizError> {
         let reader = self.session.source.reader();
-        let grid: BevGrid = scene::described(reader, &BEV_MASKS, agent)?;
+        let grid: BevGrid = scene::described(reader, &BEV_MASKS, agent.agent)?;
         if !rate::is_due(self.frame, grid.every_n_frames) {
             return Ok(None);
         }
-        let mut archive = ArrayReader::open(reader, &BEV_MASKS, agent, MOST_BYTES)?;
+        let mut archive = ArrayReader::open(reader, &BEV_MASKS, agent.agent, MOST_BYTES)?;
         let path = archive.path().to_owned();
         let wrong =
             |problem: String| VizError::Archive { path: path.clone(), problem, stage: BEV_MASKS.stage };
@@ -173,7 +204,25 @@ impl Desk<'_> {
         let [_, rows, columns] = masks.shape[..] else {
             return Err(wrong(format!("frame {} has the shape {:?}", self.frame, masks.shape)));
         };
-        draw_bev(&masks.bytes, &classes, [rows, columns], palette, BEV_SCALE).map(Some).drawing(place)
+        let drawn = draw_bev(&masks.bytes, &classes, [rows, columns], palette, BEV_SCALE);
+        let mut canvas = drawn.drawing(place)?;
+        if let Some(cell_m) = grid.cell_m {
+            self.mark_masks(&mut canvas, agent, f64::from(BEV_SCALE) / cell_m);
+        }
+        Ok(Some(canvas))
+    }
+
+    /// Rings, scale and the agent itself on its masks: they lie in its frame, turned by its yaw alone.
+    fn mark_masks(&self, canvas: &mut Canvas, agent: &AgentFrame, px_per_m: f64) {
+        let view = View::Above { centre_m: [0.0; 2], size: canvas.size(), px_per_m };
+        let text_px = self.text_px(canvas);
+        let (_, _, yaw) = agent.world_from_agent.rotation.euler_angles();
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), yaw);
+        let from_world = Isometry3::from_parts(agent.world_from_agent.translation, turn).inverse();
+        draw_rings(canvas, &view, text_px);
+        let body = agent.body.map(|corners| corners.map(|corner| from_world * corner));
+        draw_ego(canvas, &view, &(from_world * agent.world_from_agent), body.as_ref(), text_px);
+        label_rings(canvas, &view, text_px);
     }
 
     fn voxels(
@@ -240,11 +289,6 @@ fn dot_px(is_solid: bool, reach: Reach) -> u32 {
         (false, Reach::Near) => 5,
         (false, Reach::Far) => 3,
     }
-}
-
-/// Width of the thinnest lines of boxes on a picture, pixels.
-fn line_px(width: u32) -> f64 {
-    (f64::from(width) / 800.0).max(0.5)
 }
 
 #[cfg(test)]

@@ -33,6 +33,8 @@ pub(crate) struct AgentFrame {
     /// Its object id: its own body.
     pub(crate) id: u16,
     pub(crate) world_from_agent: Isometry3<f64>,
+    /// Corners of its own box in the world, where boxes are read.
+    pub(crate) body: Option<[Point3<f64>; 8]>,
     /// Encoded images, by the name of their table.
     pub(crate) images: BTreeMap<String, Vec<u8>>,
     pub(crate) flows: BTreeMap<String, FlowRow>,
@@ -106,6 +108,7 @@ impl Feed {
             position: self.position,
             id: row.id,
             world_from_agent: *pose.isometry(),
+            body: None,
             images: BTreeMap::new(),
             flows: BTreeMap::new(),
             clouds: BTreeMap::new(),
@@ -134,7 +137,10 @@ impl Feed {
         if let Some(boxes) = &mut self.boxes {
             let labelled = boxes.at(frame)?;
             found.box_count = labelled.len();
-            let shapes = labelled.iter().filter_map(shape_of);
+            let shapes: Vec<(BoxShape, bool)> = labelled.iter().filter_map(shape_of).collect();
+            found.body =
+                shapes.iter().find(|(shape, _)| shape.id == row.id).map(|(shape, _)| shape.corners_m);
+            let shapes = shapes.into_iter();
             found.boxes = shapes.filter(|(_, is_seen)| *is_seen || self.shown == ShownBoxes::All).collect();
         }
         Ok(found)

@@ -23,6 +23,8 @@ use crate::stills::sensor_names;
 
 /// Cameras in the upper row.
 const CAMERAS: usize = 3;
+/// Height of the text of scales and legends, as a share of a picture's width: films are narrow.
+const TEXT: f64 = 0.026;
 /// The encoder that makes MP4 files, if it is installed.
 const ENCODER: &str = "ffmpeg";
 
@@ -153,7 +155,7 @@ fn picture(
     (agents, rigs): (&[AgentFrame], &[Rig]),
     width: u32,
 ) -> Result<Canvas, VizError> {
-    let desk = Desk { session, frame, agents, rigs, colour: None };
+    let desk = Desk { session, frame, agents, rigs, colour: None, text: TEXT };
     let which = agents.iter().position(|a| a.agent == agent).unwrap_or_default();
     let (mut above, mut below) = (Vec::new(), Vec::new());
     for mode in modes {

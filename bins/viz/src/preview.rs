@@ -31,6 +31,8 @@ schema::columns! {
 
 /// Pictures of cameras in a row.
 const CAMERAS: usize = 3;
+/// Height of the text of scales and legends, as a share of a picture's width: a third of the sheet's.
+const TEXT: f64 = 0.019;
 const JPEG_QUALITY: u8 = 90;
 
 pub(crate) fn run(args: &PreviewArgs) -> Result<(), VizError> {
@@ -44,7 +46,7 @@ pub(crate) fn run(args: &PreviewArgs) -> Result<(), VizError> {
     let modes = modes_of(&session.source, agent)?;
     let mut feeds = session.feeds(&wants(&session, agent, args.common.boxes())?)?;
     let make = |frame: u32, agents: &[AgentFrame], rigs: &[crate::feed::Rig]| {
-        let desk = Desk { session: &session, frame, agents, rigs, colour: None };
+        let desk = Desk { session: &session, frame, agents, rigs, colour: None, text: TEXT };
         sheet_of(&desk, agent, &modes, args.width)
     };
     for_frames(&mut feeds, &[frame], make, |_, canvas| write(&args.out, &ending, &canvas))

@@ -17,6 +17,8 @@ use crate::known::keep_known;
 use crate::mode::{Mode, Source, Wanted, modes_of};
 use crate::session::{Session, for_frames};
 
+/// Height of the text of scales and legends, as a share of a picture's width.
+const TEXT: f64 = 0.014;
 /// Quality of photographs.
 const JPEG_QUALITY: u8 = 92;
 /// Folder of the pictures that are of no agent.
@@ -41,7 +43,7 @@ pub(crate) fn run(args: &VizArgs) -> Result<(), VizError> {
         &mut feeds,
         &frames,
         |frame, agents, rigs| {
-            let desk = Desk { session: &session, frame, agents, rigs, colour };
+            let desk = Desk { session: &session, frame, agents, rigs, colour, text: TEXT };
             let mut written = 0;
             for (agent, modes) in &wanted {
                 let which = agents.iter().position(|a| a.agent == *agent).unwrap_or_default();

@@ -169,9 +169,9 @@ fn label(key: Key) -> &'static str {
     }
 }
 
-/// Width of an entry, pixels: fonts differ, so this errs on the large side.
+/// Width of an entry, pixels; in a reader's own font texts may be longer.
 fn entry_px(key: Key) -> f64 {
-    SWATCH_PX[0] + 5.0 + 6.4 * label(key).len() as f64 + 14.0
+    SWATCH_PX[0] + 5.0 + 1.1 * typeface::length_px(label(key), 11.0, typeface::Weight::Regular) + 14.0
 }
 
 fn rows(legend: &BTreeSet<Key>, width_px: f64) -> Vec<Vec<Key>> {

@@ -32,7 +32,6 @@ mod symbols;
 mod things;
 
 pub use film::{ActorStyle, Film, Light, MapActor, StopBar, frame_png};
-pub use letters::Lettering;
 pub use page::{COARSE_FROM_M_PER_PX, ViewOptions, Window};
 pub use picture::Picture;
 pub use raster::RasterError;

@@ -19,7 +19,7 @@ pub enum RasterError {
 }
 
 impl Picture {
-    /// The picture as a PNG file. Texts are in capitals of a stroke font, as no font file is at hand.
+    /// The picture as a PNG file.
     ///
     /// # Errors
     /// [`RasterError`] where there is no memory for the pixels.
@@ -44,7 +44,7 @@ pub(crate) fn paint_all(pixels: &mut Pixmap, picture: &Picture) {
     for item in &picture.items {
         match item {
             Item::Shape(shape) => paint(pixels, shape),
-            Item::Text(text) => paint(pixels, &letters::strokes(text)),
+            Item::Text(text) => paint(pixels, &letters::outlines(text)),
         }
     }
 }

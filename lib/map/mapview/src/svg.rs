@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use svg::node::element::{Path, Text as Label, Title};
+use svg::node::element::{Path, Style, Text as Label, Title};
 use svg::{Document, Node};
 
 use crate::picture::{Anchor, Colour, Item, Paint, Picture, Shape, Text};
@@ -11,7 +11,7 @@ use crate::picture::{Anchor, Colour, Item, Paint, Picture, Shape, Text};
 const UNITS: f64 = 10.0;
 
 impl Picture {
-    /// The picture as an SVG document. Texts are in the reader's sans-serif font.
+    /// The picture as an SVG document, with its typeface in it: programs that pass over that take the reader's.
     #[must_use]
     pub fn to_svg(&self) -> String {
         let [w, h] = [self.width_px, self.height_px];
@@ -19,8 +19,9 @@ impl Picture {
             .set("width", format!("{w:.0}"))
             .set("height", format!("{h:.0}"))
             .set("viewBox", format!("0 0 {:.0} {:.0}", w * UNITS, h * UNITS))
-            .set("font-family", "Helvetica, Arial, sans-serif")
-            .add(Title::new(&*self.title));
+            .set("font-family", format!("{}, Helvetica, Arial, sans-serif", typeface::FAMILY))
+            .add(Title::new(&*self.title))
+            .add(Style::new(typeface::css()));
         for item in &self.items {
             match item {
                 Item::Shape(shape) => add_shape(&mut document, shape),

@@ -4,9 +4,9 @@ use maud::{Markup, PreEscaped, html};
 
 use crate::figures::Figure;
 use crate::groups::Group;
-use crate::page::{column_title, folded, how, numbers, page};
+use crate::page::{Page, column_title, figures as figures_html, folded, how, numbers, titled, wide};
 use crate::table::{Section, Table, Tables};
-use crate::text::grouped;
+use crate::text::{duration, grouped, size, spoken, words};
 
 /// File of the page beside the published dataset, in the report's folder.
 pub const PUBLISHED_PAGE: &str = "published.html";
@@ -56,17 +56,19 @@ pub fn report_html(
         |section: Section| (section == Section::Scenes && !cards.is_empty()).then(|| scene_cards(cards));
     let groups = if cards.is_empty() { Vec::new() } else { templates(groups) };
     let is_beside = has_section(Section::Published, tables);
-    let body = html! {
+    let heading = html! {
         h1 { (name) }
         p { (what) }
-        nav {
-            @for (section, _) in &parts {
-                a href={ "#" (anchor(*section)) } { (section.title()) } "\n"
-            }
-            @if is_beside {
-                a href=(PUBLISHED_PAGE) { (Section::Published.title()) } "\n"
-            }
+    };
+    let contents = html! {
+        @for (section, _) in &parts {
+            a href={ "#" (anchor(*section)) } { (section.title()) } "\n"
         }
+        @if is_beside {
+            a href=(PUBLISHED_PAGE) { (Section::Published.title()) } "\n"
+        }
+    };
+    let body = html! {
         @for (section, part) in &parts {
             section id=(anchor(*section)) {
                 h2 { (section.title()) }
@@ -76,7 +78,7 @@ pub fn report_html(
         }
         @for group in &groups { (group) }
     };
-    page(&format!("{name}: statistics"), &body)
+    Page { title: &format!("{name}: statistics"), heading, contents, body }.html()
 }
 
 /// The sections that have anything to say, in order.
@@ -123,24 +125,35 @@ pub fn published_html(tables: &Tables, figures: &[Figure]) -> Option<String> {
         Some(figure) if !figure.group.is_empty() => figure.group.clone(),
         _ => table.title.clone(),
     };
-    let body = html! {
+    let page_heading = html! {
         h1 { (name) " beside SimBEV2X" }
         p {
             "Numbers of this dataset (ours) and of the published SimBEV2X dataset of 258 scenes, per scene, frame or grid where \
              that makes sizes comparable. Other maps, traffic and grids give other numbers: a ratio of 1 is no aim."
         }
-        nav { a href="report.html" { "All statistics" } }
-        @for group in parts.chunk_by(|a, b| heading(a) == heading(b)) {
-            h2 { (heading(&group[0])) }
-            div class="figures" {
-                @for figure in group.iter().flat_map(|(_, figures)| figures) { (PreEscaped(&figure.svg)) }
-            }
-            @for (table, figures) in group {
-                @if figures.is_empty() { (numbers(table)) } @else { (folded(table, true)) }
+    };
+    let groups: Vec<&[(&Table, Vec<&Figure>)]> = parts.chunk_by(|a, b| heading(a) == heading(b)).collect();
+    let contents = html! {
+        a href="report.html" { "All statistics" } "\n"
+        @for (i, group) in groups.iter().enumerate() {
+            a href={ "#part-" (i) } { (heading(&group[0])) } "\n"
+        }
+    };
+    let body = html! {
+        @for (i, group) in groups.iter().enumerate() {
+            section id={ "part-" (i) } {
+                h2 { (heading(&group[0])) }
+                div class="part" {
+                    (figures_html("", &titled(group.iter().flat_map(|(_, figures)| figures.iter().copied()))))
+                    @for (table, figures) in *group {
+                        div class=[wide(table)] { @if figures.is_empty() { (numbers(table)) } @else { (folded(table, true)) } }
+                    }
+                }
             }
         }
     };
-    has_section(section, tables).then(|| page(&format!("{name} beside SimBEV2X"), &body))
+    let title = format!("{name} beside SimBEV2X");
+    has_section(section, tables).then(|| Page { title: &title, heading: page_heading, contents, body }.html())
 }
 
 fn has_section(section: Section, tables: &Tables) -> bool {
@@ -206,30 +219,39 @@ fn says_anything(table: &Table) -> bool {
 
 fn section_html(section: Section, tables: &Tables, figures: &[Figure]) -> Markup {
     let of_section: Vec<&Figure> = figures.iter().filter(|figure| figure.section == section).collect();
-    let is_drawn = |table: &Table| table.section == Section::Weather;
+    // The numbers of what is drawn are a click away.
+    let is_drawn = |table: &Table| of_section.iter().any(|figure| figure.table == table.name);
+    // Figures that belong together stand across the page: what fits into its columns comes after them.
+    let (mut alone, mut together): (Vec<_>, Vec<_>) = of_section
+        .chunk_by(|a, b| !a.group.is_empty() && a.group == b.group)
+        .partition(|group| group.len() == 1);
+    together.append(&mut alone);
     html! {
-        @for group in of_section.chunk_by(|a, b| a.group == b.group) {
-            @if let Some(figure) = group.first().filter(|figure| !figure.group.is_empty()) {
-                h3 { (figure.group) }
-            }
-            div class="figures" {
-                @for figure in group { (PreEscaped(&figure.svg)) }
-            }
+        @for group in together {
+            (figures_html(&group[0].group, &titled(group.iter().copied())))
         }
         @for table in tables.tables.iter().filter(|table| table.section == section && says_anything(table)) {
-            @if section == Section::Overview { (tiles(table)) } @else { (folded(table, is_drawn(table))) }
+            @if section == Section::Overview { (tiles(table)) } @else {
+                div class=[wide(table)] { (folded(table, is_drawn(table))) }
+            }
         }
     }
 }
 
-/// The overview's few numbers, large.
+/// The overview's few numbers, large, and in the units that people use; exact ones for who points at them.
 fn tiles(table: &Table) -> Markup {
+    let said = |name: &str, value: u64| match name.strip_suffix("_s") {
+        _ if name == "sensor_bytes" => ("sensor data".to_owned(), size(value)),
+        Some(stem) => (words(stem), duration(value)),
+        None => (column_title(name), spoken(value)),
+    };
     html! {
-        div class="tiles" {
-            @for (name, value) in table.strings("quantity").iter().zip(table.counts("value")) {
-                div class="tile" {
-                    b { (grouped(&value.to_string())) }
-                    span { (column_title(name)) }
+        div class="tiles wide" {
+            @for (name, &value) in table.strings("quantity").iter().zip(table.counts("value")) {
+                @let (what, number) = said(name, value);
+                div class="tile" title=(grouped(&value.to_string())) {
+                    b { (number) }
+                    span { (what) }
                 }
             }
         }

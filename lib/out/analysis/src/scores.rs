@@ -1,9 +1,9 @@
 //! The page of predictions that were held against a dataset.
 
-use maud::{PreEscaped, html};
+use maud::html;
 
 use crate::figures::{FoundBar, PrecisionCurves, found_figure, precision_figure};
-use crate::page::{how, numbers, page};
+use crate::page::{Page, figures, how, numbers};
 use crate::table::Table;
 use crate::text::grouped;
 
@@ -41,41 +41,54 @@ pub struct ScorePart {
 /// the page, from a file in the store's folder.
 #[must_use]
 pub fn scores_html(name: &str, about: &str, parts: &[ScorePart]) -> String {
-    let body = html! {
+    let heading = html! {
         h1 { (name) ": predictions" }
         p { (about) }
-        nav {
-            @for (i, part) in parts.iter().enumerate() {
-                a href={ "#part-" (i) } { (part.title) } "\n"
-            }
+    };
+    let contents = html! {
+        @for (i, part) in parts.iter().enumerate() {
+            a href={ "#part-" (i) } { (part.title) } "\n"
         }
+    };
+    let body = html! {
         @for (i, part) in parts.iter().enumerate() {
             section id={ "part-" (i) } {
                 h2 { (part.title) }
-                @for table in &part.tables {
-                    h3 { (table.title) }
-                    (numbers(table))
-                }
-                @if !part.curves.is_empty() {
-                    h3 { "Precision over recall" }
-                    div class="figures" {
-                        @for curves in &part.curves { (PreEscaped(precision_figure(curves))) }
-                    }
-                }
-                @if !part.found.is_empty() {
-                    h3 { "Found, missed and false by distance" }
-                    p { (part.found_note) }
-                    div class="figures" { (PreEscaped(found_figure("Targets by class and distance from the ego", &part.found))) }
-                }
-                @if !part.worst.is_empty() {
-                    h3 { "Frames with the most errors" }
-                    (worst(&part.worst))
-                }
+                div class="part" { (part_html(part)) }
             }
         }
         (how("this page with links to every frame, if it lies in the store's folder"))
     };
-    page(&format!("{name}: predictions"), &body)
+    Page { title: &format!("{name}: predictions"), heading, contents, body }.html()
+}
+
+fn part_html(part: &ScorePart) -> maud::Markup {
+    let drawn: Vec<(&str, String)> =
+        part.curves.iter().map(|curves| (&*curves.title, precision_figure(curves))).collect();
+    let drawn: Vec<(&str, &str)> = drawn.iter().map(|(title, svg)| (*title, &**svg)).collect();
+    html! {
+        @for table in &part.tables {
+            div class="wide" {
+                h3 { (table.title) }
+                (numbers(table))
+            }
+        }
+        @if !drawn.is_empty() { (figures("Precision over recall", &drawn)) }
+        @if !part.found.is_empty() {
+            @let title = "Targets by class and distance from the ego";
+            div {
+                h3 { "Found, missed and false by distance" }
+                p { (part.found_note) }
+                (figures("", &[(title, &found_figure(title, &part.found))]))
+            }
+        }
+        @if !part.worst.is_empty() {
+            div {
+                h3 { "Frames with the most errors" }
+                (worst(&part.worst))
+            }
+        }
+    }
 }
 
 fn worst(moments: &[Moment]) -> maud::Markup {

@@ -1,11 +1,11 @@
 //! Pixels to draw on.
 
 use codecs::images::{Chroma, Pixels, PngStyle, encode_jpeg, encode_png};
-use mapview::Lettering;
 use tiny_skia::{
     FillRule, FilterQuality, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, PixmapPaint, Stroke,
     Transform,
 };
+use typeface::{Line, Weight};
 
 use crate::PictureError;
 
@@ -98,6 +98,17 @@ impl Canvas {
 
     /// Draws lines through chains of points, with round ends.
     pub fn lines<'c>(&mut self, chains: impl IntoIterator<Item = &'c [[f64; 2]]>, width_px: f64, rgb: Rgb) {
+        self.faint_lines(chains, width_px, rgb, 255);
+    }
+
+    /// Draws lines through which what is below shows, `opacity` of 255.
+    pub fn faint_lines<'c>(
+        &mut self,
+        chains: impl IntoIterator<Item = &'c [[f64; 2]]>,
+        width_px: f64,
+        rgb: Rgb,
+        opacity: u8,
+    ) {
         let Some(path) = path_of(chains, false) else { return };
         let stroke = Stroke {
             width: width_px as f32,
@@ -105,13 +116,23 @@ impl Canvas {
             line_join: LineJoin::Round,
             ..Stroke::default()
         };
-        self.pixels.stroke_path(&path, &brush(rgb, 255), &stroke, Transform::identity(), None);
+        self.pixels.stroke_path(&path, &brush(rgb, opacity), &stroke, Transform::identity(), None);
     }
 
     /// Fills rings of points (as one area with holes), `opacity` of 255.
     pub fn area<'c>(&mut self, rings: impl IntoIterator<Item = &'c [[f64; 2]]>, rgb: Rgb, opacity: u8) {
+        self.fill(rings, FillRule::EvenOdd, rgb, opacity);
+    }
+
+    fn fill<'c>(
+        &mut self,
+        rings: impl IntoIterator<Item = &'c [[f64; 2]]>,
+        rule: FillRule,
+        rgb: Rgb,
+        opacity: u8,
+    ) {
         let Some(path) = path_of(rings, true) else { return };
-        self.pixels.fill_path(&path, &brush(rgb, opacity), FillRule::EvenOdd, Transform::identity(), None);
+        self.pixels.fill_path(&path, &brush(rgb, opacity), rule, Transform::identity(), None);
     }
 
     /// Fills a rectangle.
@@ -122,17 +143,32 @@ impl Canvas {
 
     /// Writes a line of text with its baseline at a point; its length, pixels.
     pub fn text(&mut self, at: [f64; 2], anchor: Anchor, size_px: f64, rgb: Rgb, text: &str) -> f64 {
-        let Lettering { strokes, length_px, weight_px } = Lettering::new(text, size_px);
+        self.write(at, anchor, (size_px, Weight::Regular), rgb, text)
+    }
+
+    /// Writes a line of bold text; its length, pixels.
+    pub fn bold_text(&mut self, at: [f64; 2], anchor: Anchor, size_px: f64, rgb: Rgb, text: &str) -> f64 {
+        self.write(at, anchor, (size_px, Weight::Bold), rgb, text)
+    }
+
+    fn write(
+        &mut self,
+        at: [f64; 2],
+        anchor: Anchor,
+        (size_px, weight): (f64, Weight),
+        rgb: Rgb,
+        text: &str,
+    ) -> f64 {
+        let Line { mut rings, length_px } = typeface::write(text, size_px, weight);
         let shift = match anchor {
             Anchor::Start => 0.0,
             Anchor::Middle => 0.5 * length_px,
             Anchor::End => length_px,
         };
-        let placed: Vec<Vec<[f64; 2]>> = strokes
-            .iter()
-            .map(|stroke| stroke.iter().map(|p| [at[0] - shift + p[0], at[1] + p[1]]).collect())
-            .collect();
-        self.lines(placed.iter().map(Vec::as_slice), weight_px, rgb);
+        for point in rings.iter_mut().flatten() {
+            *point = [at[0] - shift + point[0], at[1] + point[1]];
+        }
+        self.fill(rings.iter().map(Vec::as_slice), FillRule::Winding, rgb, 255);
         length_px
     }
 

@@ -36,12 +36,12 @@ impl GroundStyle {
         }
     }
 
-    /// Width of its line, metres, and the least, pixels.
-    fn width(self) -> (f64, f64) {
+    /// Width of its line, in widths of thin lines.
+    fn width(self) -> f64 {
         match self {
-            Self::Edge => (0.15, 1.6),
-            Self::StopLine => (0.4, 1.8),
-            _ => (0.12, 1.0),
+            Self::Edge => 1.5,
+            Self::StopLine => 2.0,
+            _ => 1.0,
         }
     }
 
@@ -60,14 +60,16 @@ pub struct GroundLine {
 }
 
 /// Draws elements of a map from above, areas under lines; in other views nothing, since lines that reach the
-/// horizon hide what stands before them. `space_from_world` takes them to the space of the view.
+/// horizon hide what stands before them. `space_from_world` takes them to the space of the view; thin lines are
+/// `line_px` wide, however many metres a pixel is.
 pub fn draw_ground(
     canvas: &mut Canvas,
     view: &View,
     space_from_world: &Isometry3<f64>,
     ground: &[GroundLine],
+    line_px: f64,
 ) {
-    let View::Above { px_per_m, .. } = view else { return };
+    let View::Above { .. } = view else { return };
     let mut order: Vec<&GroundLine> = ground.iter().collect();
     order.sort_by_key(|line| line.style);
     let [w, h] = view.size().map(f64::from);
@@ -87,8 +89,7 @@ pub fn draw_ground(
         if line.style.is_area() {
             canvas.area(slices, line.style.rgb(), 255);
         } else {
-            let (width_m, least_px) = line.style.width();
-            canvas.lines(slices, (width_m * px_per_m).max(least_px), line.style.rgb());
+            canvas.lines(slices, line_px * line.style.width(), line.style.rgb());
         }
     }
 }
@@ -109,10 +110,12 @@ mod tests {
             GroundLine { style: GroundStyle::Edge, chains_m: vec![line] },
             GroundLine { style: GroundStyle::Junction, chains_m: vec![ring] },
         ];
-        draw_ground(&mut canvas, &view, &Isometry3::identity(), &ground);
-        // 16 pixels a metre, x up: the line runs up the middle, the square around it.
+        draw_ground(&mut canvas, &view, &Isometry3::identity(), &ground, 2.0);
+        // 16 pixels a metre, x up: the line runs up the middle, three pixels wide, the square around it.
         assert_eq!(canvas.pixel([1280, 1280]), Some(GroundStyle::Edge.rgb()));
         assert_eq!(canvas.pixel([1280, 1280 - 300]), Some(GroundStyle::Edge.rgb()));
+        let wide = (1200..1360).filter(|x| canvas.pixel([*x, 900]) != Some([255; 3])).count();
+        assert!((3..=4).contains(&wide), "{wide}");
         assert_eq!(canvas.pixel([1280 + 70, 1280 - 70]), Some(GroundStyle::Junction.rgb()));
         assert_eq!(canvas.pixel([1280 + 90, 1280]), Some([255; 3]));
     }

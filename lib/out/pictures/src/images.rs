@@ -1,9 +1,8 @@
 //! Images whose pixels are numbers.
 
-use frames::math;
 use schema::Tag;
 
-use crate::colours::id_rgb;
+use crate::colours::{depth_rgb, id_rgb};
 use crate::{Canvas, PictureError};
 
 /// Depth that a pixel of a depth image stands for at most, metres.
@@ -11,7 +10,7 @@ const FARTHEST_M: f64 = 1000.0;
 /// Largest 24-bit number.
 const FULL: f64 = 16_777_215.0;
 
-/// Draws a depth image (24 bits a pixel, red lowest): black up to 1 m, white from 1000 m, by logarithms
+/// Draws a depth image (24 bits a pixel, red lowest): yellow up to 1 m, dark violet from 1000 m, by logarithms
 /// between.
 ///
 /// # Errors
@@ -19,9 +18,7 @@ const FULL: f64 = 16_777_215.0;
 pub fn draw_depth(size: [u32; 2], rgb: &[u8]) -> Result<Canvas, PictureError> {
     mapped(size, rgb, |[r, g, b]| {
         let number = u32::from(r) | u32::from(g) << 8 | u32::from(b) << 16;
-        let depth_m = FARTHEST_M * f64::from(number) / FULL;
-        let share = math::ln(depth_m.max(1.0)) / math::ln(FARTHEST_M);
-        [(255.0 * share).round() as u8; 3]
+        depth_rgb(FARTHEST_M * f64::from(number) / FULL)
     })
 }
 
@@ -56,9 +53,10 @@ mod tests {
         };
         let rgb = [bytes(0.5), bytes(1.0), bytes(1000.0_f64.sqrt()), bytes(1000.0)].concat();
         let canvas = draw_depth([4, 1], &rgb).expect("draws");
-        let grey = [0, 1, 2, 3].map(|x| canvas.pixel([x, 0]).expect("is inside")[0]);
-        assert_eq!([grey[0], grey[1], grey[3]], [0, 0, 255]);
-        assert!(grey[2].abs_diff(128) <= 1, "{grey:?}");
+        let got = [0, 1, 2, 3].map(|x| canvas.pixel([x, 0]).expect("is inside"));
+        assert_eq!(got, [1.0, 1.0, 1000.0_f64.sqrt(), 1000.0].map(depth_rgb));
+        // Halfway between the ends of viridis.
+        assert!((0..3).all(|k| got[2][k].abs_diff([33, 144, 141][k]) <= 6), "{got:?}");
     }
 
     #[test]

@@ -52,7 +52,7 @@ pub fn draw_sheet(sheet: &Sheet, width_px: u32) -> Result<Canvas, PictureError> 
     let even = (height / 2.0).ceil().clamp(1.0, f64::from(u32::MAX / 2)) as u32 * 2;
     let mut canvas = Canvas::new([width_px, even], PAPER)?;
 
-    canvas.text([margin, margin + heading], Anchor::Start, heading, INK, &sheet.heading);
+    canvas.bold_text([margin, margin + heading], Anchor::Start, heading, INK, &sheet.heading);
     for (i, line) in sheet.lines.iter().enumerate() {
         let y = margin + 1.3 * heading + 1.7 * text * (i as f64 + 0.75);
         canvas.text([margin, y], Anchor::Start, text, FAINT, line);
@@ -93,7 +93,7 @@ fn row_height(row: &[Panel], width: f64, gap: f64) -> f64 {
 fn legend_places(legend: &[(String, Rgb)], [left, right]: [f64; 2], text: f64) -> Vec<(f64, usize)> {
     let (mut x, mut row) = (left, 0);
     let place = |(name, _): &(String, Rgb)| {
-        let wide = 1.6 * text + mapview::Lettering::new(name, text).length_px;
+        let wide = 1.6 * text + typeface::length_px(name, text, typeface::Weight::Regular);
         if x > left && x + wide > right {
             (x, row) = (left, row + 1);
         }

@@ -2,9 +2,9 @@
 
 use super::scale::Scale;
 use super::svg::{Anchor, Svg, text_width};
-use crate::text::{grouped, short};
+use crate::text::{grouped, short, size};
 
-const WIDTH: f64 = 720.0;
+const WIDTH: f64 = 620.0;
 const PITCH: f64 = 20.0;
 const FONT: f64 = 11.0;
 const OUTER: f64 = 0.4;
@@ -29,16 +29,18 @@ pub(super) struct Bars {
     pub(super) legend: Option<[&'static str; 2]>,
     pub(super) bars: Vec<Bar>,
     pub(super) scale: Scale,
+    /// What is counted is bytes.
+    pub(super) is_size: bool,
 }
 
 impl Bars {
     pub(super) fn draw(&self) -> String {
-        let Self { title, axis, legend, bars, scale } = self;
+        let Self { title, axis, legend, bars, scale, is_size } = self;
         let top = if legend.is_some() { 48.0 } else { 28.0 };
         let base = top + PITCH * bars.len() as f64;
         let mut svg = Svg::new(WIDTH, base + 40.0, title);
-        let numbers: Vec<String> =
-            bars.iter().map(|bar| grouped(&bar.outer.to_string()) + &bar.note).collect();
+        let said = |n: u64| if *is_size { size(n) } else { grouped(&n.to_string()) };
+        let numbers: Vec<String> = bars.iter().map(|bar| said(bar.outer) + &bar.note).collect();
         let widest = |texts: &mut dyn Iterator<Item = &String>| {
             texts.map(|text| text_width(text, FONT)).fold(0.0, f64::max)
         };
@@ -57,7 +59,8 @@ impl Bars {
         let mut free_from = f64::NEG_INFINITY;
         for &tick in &scale.ticks {
             let x = left + plot_width * scale.position(tick);
-            let text = short(tick);
+            // `200M` and `B` are 200 MB.
+            let text = if *is_size { format!("{}B", short(tick)) } else { short(tick) };
             let half = 0.5 * text_width(&text, 10.0);
             svg.line([x, top], [x, base], false);
             if x - half >= free_from {
@@ -99,6 +102,7 @@ mod tests {
             legend: None,
             bars: vec![bar],
             scale: Scale::linear(100.0),
+            is_size: false,
         };
         let widths: Vec<f64> = chart
             .draw()

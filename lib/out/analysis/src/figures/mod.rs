@@ -115,6 +115,7 @@ fn boxes_figure(table: &Table) -> Figure {
         legend: Some(["all", "valid"]),
         bars,
         scale,
+        is_size: false,
     };
     figure(table, title, svg.draw())
 }
@@ -129,7 +130,14 @@ fn bev_figure(table: &Table) -> Figure {
         .collect();
     let scale = log_scale(&bars);
     let title = "BEV cells per class";
-    let svg = Bars { title: title.into(), axis: "cells (logarithmic)".into(), legend: None, bars, scale };
+    let svg = Bars {
+        title: title.into(),
+        axis: "cells (logarithmic)".into(),
+        legend: None,
+        bars,
+        scale,
+        is_size: false,
+    };
     figure(table, title, svg.draw())
 }
 
@@ -152,7 +160,14 @@ fn occupancy_figure(table: &Table) -> Figure {
     let scale = log_scale(&bars);
     let title = "Voxels per label";
     let legend = filled.then_some(["filled", "unfilled"]);
-    let svg = Bars { title: title.into(), axis: "voxels (logarithmic)".into(), legend, bars, scale };
+    let svg = Bars {
+        title: title.into(),
+        axis: "voxels (logarithmic)".into(),
+        legend,
+        bars,
+        scale,
+        is_size: false,
+    };
     figure(table, title, svg.draw())
 }
 
@@ -168,8 +183,9 @@ fn bytes_figure(table: &Table) -> Figure {
         })
         .collect();
     let scale = Scale::linear(largest(&bars));
-    let title = "Bytes per sensor";
-    let svg = Bars { title: title.into(), axis: "bytes on disk".into(), legend: None, bars, scale };
+    let title = "Size of sensor data";
+    let svg =
+        Bars { title: title.into(), axis: "size on disk".into(), legend: None, bars, scale, is_size: true };
     figure(table, title, svg.draw())
 }
 

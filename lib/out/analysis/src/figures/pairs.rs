@@ -4,7 +4,7 @@ use super::scale::Scale;
 use super::svg::{Anchor, Svg, text_width};
 use crate::text::short;
 
-const WIDTH: f64 = 720.0;
+const WIDTH: f64 = 620.0;
 const PITCH: f64 = 26.0;
 const BAR: f64 = 9.0;
 const FONT: f64 = 11.0;

@@ -60,5 +60,5 @@ pub(crate) fn found_figure(title: &str, bars: &[FoundBar]) -> String {
     let bars: Vec<Bar> = bars.iter().map(bar).collect();
     let scale = Scale::linear(largest(&bars));
     let (title, axis) = (title.to_owned(), "targets".into());
-    Bars { title, axis, legend: Some(["targets", "found"]), bars, scale }.draw()
+    Bars { title, axis, legend: Some(["targets", "found"]), bars, scale, is_size: false }.draw()
 }

@@ -41,7 +41,7 @@ pub(super) fn points_figure(table: &Table) -> Figure {
         x_max: POINTS_STEP_M * f64::from(POINTS_STEPS),
         x_steps: 6,
         scale: Scale::log(1.0, curves.iter().flat_map(|c| &c.points).map(|p| p[1]).fold(1.0, f64::max)),
-        width: 720.0,
+        width: 620.0,
         curves,
     };
     figure(table, &table.title, curves.draw())

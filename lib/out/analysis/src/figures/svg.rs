@@ -38,8 +38,10 @@ impl Svg {
             .set("height", format!("{height:.0}"))
             .set("viewBox", format!("0 0 {width:.0} {height:.0}"))
             .set("role", "img")
+            // For the page, which gives figures room by it.
+            .set("style", format!("--width: {width:.0}px"))
             .set("fill", "currentColor")
-            .set("font-family", "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif")
+            .set("font-family", format!("{}, system-ui, 'Segoe UI', sans-serif", typeface::FAMILY))
             .add(Title::new(title));
         let mut svg = Self(document);
         svg.0.append(label([0.0, 14.0], Anchor::Start, 13.0, title).set("font-weight", "600"));

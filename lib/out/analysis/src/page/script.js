@@ -9,7 +9,7 @@ const sortable = (table) => {
       heads.forEach((other) => other.removeAttribute('aria-sort'))
       head.setAttribute('aria-sort', up ? 'ascending' : 'descending')
       const rows = [...table.tBodies[0].rows]
-      const text = (row) => row.cells[column].textContent
+      const text = (row) => row.cells[column].dataset.value ?? row.cells[column].textContent
       const plain = rows.filter((row) => !row.classList.contains('total'))
       const numeric = !head.classList.contains('name')
       plain.sort((a, b) => {
@@ -35,6 +35,17 @@ const sortable = (table) => {
   })
 }
 document.querySelectorAll('table').forEach(sortable)
+for (const cell of document.querySelectorAll('td[data-value]')) cell.title = Number(cell.dataset.value).toLocaleString('en')
+
+// The contents say which section is in sight: the last that begins above the middle of the window.
+const links = new Map([...document.querySelectorAll('nav a[href^="#"]')].map((link) => [link.hash.slice(1), link]))
+const mark = () => {
+  const begun = [...document.querySelectorAll('section')].filter((section) => section.getBoundingClientRect().top < innerHeight / 2)
+  const current = links.get((begun.at(-1) ?? document.querySelector('section'))?.id)
+  for (const link of links.values()) link.toggleAttribute('aria-current', link === current)
+}
+document.addEventListener('scroll', mark, { passive: true })
+mark()
 
 const choices = document.querySelector('.choices')
 if (choices) {

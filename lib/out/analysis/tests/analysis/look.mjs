@@ -33,6 +33,7 @@ async function isSound(page, name) {
   assert.deepEqual(await page.evaluate(badTexts), [], name)
   const shrunk = `[...document.querySelectorAll('.figures svg')].filter(svg => svg.getBoundingClientRect().width < 0.8 * svg.viewBox.baseVal.width).length`
   assert.equal(await page.evaluate(shrunk), 0, `${name}: figures too small to read`)
+  assert.ok(await page.evaluate(`document.fonts.check('600 12px Inter') && [...document.fonts].some(font => font.status === 'loaded')`), `${name}: the typeface`)
   assert.deepEqual(page.errors, [], name)
   if (shots) {
     await mkdir(shots, { recursive: true })
@@ -67,6 +68,28 @@ async function isUsable(page, address) {
     return table.tBodies[0].lastElementChild.className
   })()`)
   assert.equal(last, 'total')
+  // Sizes are in units of people, and sorted by their bytes.
+  const sizes = await page.evaluate(`(() => {
+    const head = [...document.querySelectorAll('#sensor th')].find(th => th.textContent === 'size')
+    head.click()
+    return [...head.closest('table').tBodies[0].rows].map(row => [row.cells[head.cellIndex].textContent, Number(row.cells[head.cellIndex].dataset.value)])
+  })()`)
+  assert.ok(sizes.length > 1 && sizes.every(([text]) => / [kMGT]?B$/.test(text)), `${sizes}`)
+  assert.deepEqual(sizes, sizes.toSorted(([, a], [, b]) => a - b))
+  // Contents stay in sight, and say which section is.
+  const contents = await page.evaluate(`(() => {
+    document.getElementById('bev').scrollIntoView()
+    mark()
+    const { top, bottom } = document.querySelector('nav').getBoundingClientRect()
+    const marked = [...document.querySelectorAll('nav a[aria-current]')].map(link => link.hash)
+    scrollTo(0, 0)
+    return { top, bottom, marked }
+  })()`)
+  assert.ok(contents.top >= 0 && contents.top < 60 && contents.bottom <= 900, JSON.stringify(contents))
+  assert.deepEqual(contents.marked, ['#bev'])
+  // Where there is room there are two columns, on a phone one.
+  const lefts = await page.evaluate(`new Set([...document.querySelectorAll('.part > :not(.wide)')].map(part => part.getBoundingClientRect().left)).size`)
+  assert.equal(lefts, await page.evaluate('innerWidth') > 1000 ? 2 : 1)
   // Cards and rows are those of the chosen map.
   const choose = (name, value) => page.evaluate(`(() => {
     const select = document.querySelector('select[name=${name}]')
@@ -108,7 +131,7 @@ const server = createServer(async (request, response) => {
     const file = path.join(folder, path.basename(path.dirname(request.url)) === 'scenes' ? 'scenes' : '.', path.basename(request.url))
     response.setHeader('Content-Type', types[path.extname(file)])
     // What the viewer's server allows a file of the store.
-    response.setHeader('Content-Security-Policy', `default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src 'self' data:; frame-ancestors 'none'`)
+    response.setHeader('Content-Security-Policy', `default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; font-src data:; img-src 'self' data:; frame-ancestors 'none'`)
     response.end(await readFile(file))
   } catch {
     response.writeHead(404).end()
