@@ -260,14 +260,14 @@ class Reading(unittest.TestCase):
                 unfinished.frame(FRAME).agent("rsu_0").boxes()
             with self.assertRaisesRegex(convoy.StoreError, "no sample"):
                 convoy.DetectionSamples(copy)
-            manifest.write_text(text.replace('"format_version": 1', '"format_version": 2'))
-            with self.assertRaisesRegex(convoy.StoreError, "format version is 2"):
+            manifest.write_text(text.replace('"format_version": 2', '"format_version": 3'))
+            with self.assertRaisesRegex(convoy.StoreError, "format version is 3"):
                 convoy.Dataset(copy).scene(0)
             dataset = copy / "dataset.json"
             size = dataset.stat().st_size
-            dataset.write_text(dataset.read_text().replace('"format_version": 1', '"format_version": 2'))
+            dataset.write_text(dataset.read_text().replace('"format_version": 2', '"format_version": 3'))
             self.assertEqual(dataset.stat().st_size, size)
-            with self.assertRaisesRegex(convoy.StoreError, "format version is 2, this package reads 1"):
+            with self.assertRaisesRegex(convoy.StoreError, "format version is 3, this package reads 1 to 2"):
                 convoy.Dataset(copy)
 
     def test_workers_read_what_their_parent_reads(self):

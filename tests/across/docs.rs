@@ -27,14 +27,26 @@ fn check(page: &str, generated: &str) {
 fn schema_page_names_every_column() {
     let mut text = String::new();
     for table in schema::tables::every_table() {
-        let per_scene = ["plan/", "maps/", "tiles/"].iter().all(|folder| !table.name.starts_with(folder));
-        let folder = if per_scene { "scenes/NNNN/" } else { "" };
+        let folder = if table.is_of_scene() { "scenes/NNNN/" } else { "" };
         write!(text, "\n### `{folder}{}.parquet`\n\n{}\n\n", table.name, table.doc.trim()).expect("writes");
         text.push_str("| column | type | meaning |\n|---|---|---|\n");
         for (field, kind) in table.columns {
             writeln!(text, "| `{}` | {kind} | {} |", field.name, field.doc.trim()).expect("writes");
         }
     }
+    text.push_str(
+        "\n### Attributes\n\nFields of the struct `attributes`; a fact that is not said of an object is null.\n\n",
+    );
+    text.push_str("| field | type | meaning |\n|---|---|---|\n");
+    for (key, kind, doc) in schema::Attribute::FIELDS {
+        writeln!(text, "| `{key}` | {} | {} |", kind.type_name(), doc.trim()).expect("writes");
+    }
+    writeln!(
+        text,
+        "| `{}` | string | Facts of imported datasets that have no field, as a JSON object of strings. |",
+        schema::OTHER_FACTS
+    )
+    .expect("writes");
     text.push_str(
         "\n### Kinds of images\n\n| kind | pixels | kept as | switched on by |\n|---|---|---|---|\n",
     );

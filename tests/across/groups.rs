@@ -55,10 +55,8 @@ fn groups_differ_and_change_alone() {
     let scenes = plan(&bench);
     let vehicles: Vec<Option<i32>> = scenes.iter().map(|scene| scene.background_vehicles).collect();
     assert_eq!(vehicles, [Some(12), Some(12), Some(0)]);
-    let rain =
-        schema::tables::Weather::NAMES.iter().position(|name| *name == "precipitation").expect("is one");
-    assert_eq!(scenes[1].initial_weather[rain], 80.0);
-    assert_ne!(scenes[0].initial_weather[rain], 80.0);
+    assert_eq!(scenes[1].initial_weather.precipitation, 80.0);
+    assert_ne!(scenes[0].initial_weather.precipitation, 80.0);
     let has_camera = |scene: u32| {
         let path = format!("scenes/{scene:04}/sensors/vehicle_0/RGB-CAM_FRONT.parquet");
         bench.store().join(path).exists()

@@ -191,7 +191,7 @@ fn the_originals_yaml_is_planned() {
                 render_gpu: 0\ninitial_weather: {cloudiness: 15}\nmagic: 1\n";
     let outcome = bench.run("config.yaml", yaml, &[]);
     assert_eq!(outcome.code, 0, "{outcome:?}");
-    assert!(bench.scenes().iter().all(|s| s.initial_weather[0] == 15.0) && bench.scenes().len() == 2);
+    assert!(bench.scenes().iter().all(|s| s.initial_weather.cloudiness == 15.0) && bench.scenes().len() == 2);
     assert!(outcome.stderr.contains("config.yaml:6: `render_gpu` has no effect here"), "{outcome:?}");
     assert!(outcome.stderr.contains("config.yaml:8: `magic`: no such key here"), "{outcome:?}");
     let outcome = bench.run("bad.yml", &yaml.replace("max_vehicles: 2", "max_vehicles: two"), &[]);

@@ -23,6 +23,7 @@ mod locks;
 mod maps;
 mod masks;
 mod merge;
+mod older;
 mod packs;
 mod pipeline;
 mod plain;

@@ -25,7 +25,7 @@ fn keyframes_reach_the_log() {
     let planned = plan(&bench);
     let rows: Vec<PlanWeatherRow> = store(&bench).read_rows(&planned, keys::PLAN_WEATHER).expect("reads");
     assert_eq!((rows.len(), rows[0].scene, rows[0].at_s), (1, 0, 0.5));
-    let between = Weather::from_array(rows[0].weather);
+    let between = rows[0].weather;
     assert!(between.cloudiness == 80.0 && (20.0..60.0).contains(&between.precipitation), "{between:?}");
 
     bench.run("simulate-and-log", &[]).expect_done();
@@ -67,7 +67,7 @@ fn the_page_of_weather_is_planned_without_a_warning() {
     bench.run("spawn-planner", &["--strict"]).expect_done();
     let rows: Vec<PlanWeatherRow> =
         store(&bench).read_rows(&plan(&bench), keys::PLAN_WEATHER).expect("reads");
-    let shower: Vec<f64> = rows.iter().filter(|r| r.at_s == 5.0).map(|r| r.weather[1]).collect();
+    let shower: Vec<f64> = rows.iter().filter(|r| r.at_s == 5.0).map(|r| r.weather.precipitation).collect();
     assert_eq!(rows.len(), 12);
     assert!(shower.len() == 4 && shower.iter().all(|rain| (50.0..90.0).contains(rain)), "{shower:?}");
 }

@@ -18,6 +18,7 @@ import zipfile
 
 import numpy as np
 import pyarrow.parquet as pq
+from facts import texts
 from PIL import Image
 
 PROGRAM, FOLDER = sys.argv[1], pathlib.Path(sys.argv[2])
@@ -217,7 +218,7 @@ def check_store(store, wanted):
     assert first[0]["angle_rad"] is None and abs(first[1]["angle_rad"] - math.radians(30)) < 1e-12
     light = first[2]
     assert (light["signal_state"], light["opendrive_id"], light["is_alive"]) == ("Yellow", "954", False)
-    assert json.loads(light["attributes"])["green_time"] == "10.5" and json.loads(first[3]["attributes"]) == {"sign_type": "stop"}
+    assert light["attributes"]["green_time"] == 10.5 and texts(first[3]["attributes"]) == {"sign_type": "stop"}
     agents = pq.read_table(scene / "agents.parquet").to_pylist()
     assert [(row["frame"], row["agent"], row["id"]) for row in agents[2:4]] == [(1, "vehicle_0", 24), (1, "rsu_0", 65533)]
     close(agents[2]["xyz_m"], [10.5, 5, 0], 0)

@@ -14,6 +14,7 @@ import zipfile
 
 import numpy as np
 import pyarrow.parquet as pq
+from facts import texts
 
 # This script's own name must not stand before the package's.
 sys.path = [p for p in sys.path if pathlib.Path(p or ".").resolve() != pathlib.Path(__file__).resolve().parent]
@@ -283,7 +284,7 @@ class Scene:
             assert facts["valid_flag"] == str(valid["valid_flag"]).lower()
             assert facts["num_lidar_pts"] == str(valid["num_lidar_pts"]) and facts["num_pixels"] == str(valid["num_pixels"])
             assert facts["difficulty"] == valid["difficulty"] and facts["model"] == row["model"]
-            assert json.loads(facts["attributes"]) == json.loads(row["attributes"])
+            assert json.loads(facts["attributes"]) == texts(row["attributes"])
             count += 1
         agents = [f"/{a['agent']}/boxes" for a in self.info["agents"]]
         assert count == sum(len(m.entities) for t in agents for m in self.topics[t].values())

@@ -13,6 +13,7 @@ import sys
 
 import numpy as np
 import pyarrow.parquet as pq
+from facts import texts
 from PIL import Image
 
 FIELDS = {
@@ -140,7 +141,7 @@ class Store:
             self.boxes[a["frame"]][a["id"]] = {**b, **a}
         actors = pq.read_table(self.root / "log/actors.parquet", columns=["id", "kind", "attributes"]).to_pylist()
         self.kinds = {row["id"]: row["kind"] for row in actors}
-        self.facts = {row["id"]: json.loads(row["attributes"]) for row in actors}
+        self.facts = {row["id"]: texts(row["attributes"]) for row in actors}
         self.tables = {}
 
     def reading(self, name, frame):

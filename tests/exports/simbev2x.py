@@ -15,6 +15,7 @@ import zipfile
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from facts import texts
 from PIL import Image
 
 CAMERAS = ["CAM_FRONT_LEFT", "CAM_FRONT", "CAM_FRONT_RIGHT", "CAM_BACK_LEFT", "CAM_BACK", "CAM_BACK_RIGHT"]
@@ -148,7 +149,7 @@ def check_box(box, row):
     light = row["class"] == "traffic_light"
     assert ("state" in box) == light and (not light or box["state"] == row["signal_state"])
     assert box["is_alive"] == (row["is_alive"] or light)
-    facts = json.loads(row["attributes"])
+    facts = texts(row["attributes"])
     assert facts.items() <= box["attributes"].items()
     if row["class"] == "traffic_sign" and not row["is_alive"]:
         assert box["sign_type"] == facts.get("sign_type", "") and box["type"] == "TrafficSigns"

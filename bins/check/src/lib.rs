@@ -106,9 +106,11 @@ fn check(args: &CheckArgs) -> Result<(String, bool), String> {
         return Err(format!("{} is no store: it has no dataset.json", store.display()));
     }
     let dataset = read_json(&store.join("dataset.json")).map_err(|e| e.to_string())?;
-    if let Some(found) = dataset["format_version"].as_u64().filter(|&v| v != u64::from(FORMAT_VERSION)) {
+    if let Some(found) =
+        dataset["format_version"].as_u64().filter(|v| !(1..=u64::from(FORMAT_VERSION)).contains(v))
+    {
         return Err(format!(
-            "{}: store format {found}, this program checks {FORMAT_VERSION} (use the Convoy that made the store)",
+            "{}: store format {found}, this program checks 1 to {FORMAT_VERSION} (use the Convoy that made the store)",
             store.display()
         ));
     }
@@ -158,11 +160,11 @@ fn check_scene(store: &Path, config: &Config, number: u32, every: u32) -> (Ledge
     let tables: Vec<Ledger> = scene
         .outputs
         .par_iter()
-        .map(|(path, rows)| {
+        .map(|named| {
             let mut part = Ledger::at(format!("scene {number}"));
-            let inside = path.strip_prefix(&scene.folder).unwrap_or(path);
+            let inside = named.path.strip_prefix(&scene.folder).unwrap_or(&named.path);
             let rate = config.every_of(&inside.to_string_lossy().replace('\\', "/"));
-            checks::tables::check(path, *rows, (scene.frames, rate), every, &mut part);
+            checks::tables::check(&scene, named, rate, every, &mut part);
             part
         })
         .collect();

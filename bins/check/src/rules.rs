@@ -30,7 +30,7 @@ macro_rules! rules {
 }
 
 rules! {
-    Files "files": "every file that a manifest or the configuration names is there and can be read",
+    Files "files": "every file that a manifest or the configuration names is there and can be read; tables say whose scene they are",
     Numbers "numbers": "no number is NaN or infinite",
     Times "times": "frames count from 0 without a gap, in steps of every_n_frames, frame k is at k x 0.05 s within 1 ns, for every agent and sensor",
     Units "units": "every value lies in its unit's range, every word in its vocabulary, lists of a row are equally long",
@@ -38,7 +38,7 @@ rules! {
     Poses "poses": "agents are where the log has them within 1e-6; objects move as their velocities say within 0.5 m/s and 0.5 rad/s",
     Seats "seats": "who sits is a walker who stands still on a bench of the log: the rear of its box at the back rest within 5 cm, its middle on one of two places and the seat as high as the bench's within 1 cm, looking away from the back rest; no two have one place",
     BoxList "box list": "an agent lists exactly the objects that annotation asks for nearer than the radius, within 1 mm",
-    BoxShape "box shape": "corners, centre, size, rotation, velocity, distance, angle, tags (or some of them) and state of a box are those of the log within 1e-5",
+    BoxShape "box shape": "corners, centre, size, rotation, velocity, distance, angle, tags (or some of them) and state of a box are those of the log within 1e-5, and the agent's own is marked",
     ImageIds "image ids": "an instance image shows only ids of the log, each with a tag of its list; 0 is the sky or the horizon's land, vegetation and buildings",
     PointIds "point ids": "lidar and radar return only ids of the log, each with a tag of its list; of a rolling scan (here and below) what moves is carried on with its object from when the ray was fired to the frame's time; what fog and rain send back is left out",
     ScanTimes "scan times": "a lidar's return was fired at the frame's time, or in a rolling scan when its azimuth says, within half a slice and a column",

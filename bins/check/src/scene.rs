@@ -56,6 +56,15 @@ pub(crate) struct AgentTrack {
     pub(crate) rows: Vec<AgentRow>,
 }
 
+/// A file that a manifest names.
+pub(crate) struct Named {
+    pub(crate) path: PathBuf,
+    /// Its rows, if it is a table.
+    pub(crate) rows: usize,
+    /// Format of the store when it was written.
+    pub(crate) format: u64,
+}
+
 /// A scene of a store.
 pub(crate) struct Scene {
     pub(crate) folder: PathBuf,
@@ -77,8 +86,8 @@ pub(crate) struct Scene {
     pub(crate) agents: BTreeMap<String, AgentTrack>,
     /// Stages whose manifest stands.
     pub(crate) done: BTreeSet<String>,
-    /// Files that these name, with their rows if they are tables.
-    pub(crate) outputs: Vec<(PathBuf, usize)>,
+    /// Files that these name.
+    pub(crate) outputs: Vec<Named>,
     /// Whether it was imported from another layout: its log holds what its labels say.
     pub(crate) is_imported: bool,
 }
@@ -176,7 +185,7 @@ impl Scene {
             let sizes = ["length_m", "width_m", "height_m"].map(|side| rows.reals(side));
             let [lengths, widths, heights] = sizes;
             let (lengths, widths, heights) = (lengths?, widths?, heights?);
-            let (poses, fixed, attributes) = (poses(&rows)?, rows.flags("fixed")?, rows.texts("attributes")?);
+            let (poses, fixed, attributes) = (poses(&rows)?, rows.flags("fixed")?, rows.facts("attributes")?);
             for (k, &id) in ids.iter().enumerate() {
                 let actor = Actor {
                     model: models[k].clone(),
@@ -185,7 +194,7 @@ impl Scene {
                     size_m: [lengths[k], widths[k], heights[k]],
                     fixed: fixed[k],
                     world_from_object: poses[k],
-                    attributes: serde_json::from_str(&attributes[k]).unwrap_or(Value::Null),
+                    attributes: attributes[k].clone(),
                 };
                 let word = actor.attributes.get("sign_type").and_then(Value::as_str);
                 ledger.expect(Rule::Units, word.is_none_or(|word| SIGN_TYPES.contains(&word)), || {
@@ -287,7 +296,7 @@ fn poses(rows: &Batch) -> Result<Vec<Motion>, Unreadable> {
 }
 
 /// Stages that are done and the files that their manifests name.
-fn manifests(store: &Path, folder: &Path, ledger: &mut Ledger) -> (BTreeSet<String>, Vec<(PathBuf, usize)>) {
+fn manifests(store: &Path, folder: &Path, ledger: &mut Ledger) -> (BTreeSet<String>, Vec<Named>) {
     let (mut done, mut outputs) = (BTreeSet::new(), Vec::new());
     let entries = std::fs::read_dir(folder.join("_manifests")).into_iter().flatten().flatten();
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
@@ -300,7 +309,8 @@ fn manifests(store: &Path, folder: &Path, ledger: &mut Ledger) -> (BTreeSet<Stri
         done.extend(manifest["stage"].as_str().map(str::to_owned));
         for output in manifest["outputs"].as_array().into_iter().flatten() {
             let rows = usize::try_from(output["rows"].as_u64().unwrap_or(0)).unwrap_or(0);
-            outputs.extend(output["key"].as_str().map(|key| (store.join(key), rows)));
+            let format = manifest["format_version"].as_u64().unwrap_or(0);
+            outputs.extend(output["key"].as_str().map(|key| Named { path: store.join(key), rows, format }));
         }
     }
     (done, outputs)

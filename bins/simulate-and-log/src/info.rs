@@ -44,10 +44,11 @@ pub(crate) fn scene_info(
             })
         })
         .collect::<Result<_, StageError>>()?;
-    let weathers = between.iter().map(|row| row.weather).chain([plan.initial_weather, plan.final_weather]);
+    let mut weathers =
+        between.iter().map(|row| row.weather).chain([plan.initial_weather, plan.final_weather]);
     let hazards = |kind: HazardKind| log.hazards.iter().filter(|h| h.kind == kind).count() as u32;
     let count = |is_one: &dyn Fn(&ActorRow) -> bool| log.actors.iter().filter(|a| is_one(a)).count() as u32;
-    let dark = weathers.map(Weather::from_array).any(|weather| weather.is_night());
+    let dark = weathers.any(|weather| weather.is_night());
     let keyframe =
         |row: &PlanWeatherRow| WeatherKeyframeInfo { at_s: row.at_s, weather: by_name(row.weather) };
     Ok(SceneInfo {
@@ -102,6 +103,6 @@ pub(crate) fn models(rows: &[PlanModelRow], actors: &[ActorRow]) -> Vec<PackedMo
     rows.iter().filter(is_here).map(info).collect()
 }
 
-fn by_name(values: [f64; Weather::COUNT]) -> BTreeMap<String, f64> {
-    Weather::NAMES.iter().map(|n| (*n).to_owned()).zip(values).collect()
+fn by_name(weather: Weather) -> BTreeMap<String, f64> {
+    Weather::NAMES.iter().map(|n| (*n).to_owned()).zip(weather.to_array()).collect()
 }

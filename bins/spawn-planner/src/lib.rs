@@ -17,7 +17,7 @@ use packs::PackModel;
 use plan::{Plan, PlanError, PlanMap, PlanSources, Roster, SceneSlot};
 use runner::forecast::{self, Machine, Planned};
 use runner::{At, Job, Outlook, Place, Stage, StageError};
-use schema::table::Row;
+use schema::table::{Column, Row};
 use schema::tables::{
     PlanAgentRow, PlanHazardRow, PlanModelRow, PlanRouteRow, PlanSceneRow, PlanTrajectoryRow, PlanWeatherRow,
 };
@@ -243,6 +243,18 @@ fn enrol(store: &Store, settings: &PlanSettings) -> Result<Roster, StageError> {
     Ok(roster)
 }
 
+/// Weather counts as numbers in a row, as plans of format 1 have it: their scenes are still the same.
+fn flatten_weather(column: &mut Column) {
+    let Column::Struct(fields) = column else { return };
+    let numbers: Vec<&Vec<f64>> = fields
+        .iter()
+        .filter_map(|(_, field)| if let Column::F64(numbers) = field { Some(numbers) } else { None })
+        .collect();
+    let rows = numbers.first().map_or(0, |first| first.len());
+    let flat = (0..rows).flat_map(|row| numbers.iter().map(move |field| field[row])).collect();
+    *column = Column::FixedF64(numbers.len(), flat);
+}
+
 /// Digest of everything the plan says about one scene: the simulation of a scene depends on nothing else of
 /// it.
 fn scene_digest(scene: &PlanSceneRow, plan: &Plan, models: &[PlanModelRow]) -> Result<String, StageError> {
@@ -270,6 +282,7 @@ fn scene_digest(scene: &PlanSceneRow, plan: &Plan, models: &[PlanModelRow]) -> R
     if first < end {
         all.push(PlanTrajectoryRow::to_columns(&plan.trajectories[first..end]));
     }
+    all.iter_mut().flatten().for_each(flatten_weather);
     // Numbers are the shortest text that reads back the same.
     Ok(store::hash_bytes(&serde_json::to_vec(&all).at(Place::default)?))
 }

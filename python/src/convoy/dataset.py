@@ -13,6 +13,7 @@ import numpy as np
 import pyarrow as pa
 
 from convoy.boxes import polars
+from convoy import older
 from convoy.errors import StoreError
 from convoy.files import Files
 from convoy.places import place_of
@@ -91,7 +92,7 @@ class Dataset:
 
     def plan(self, name: str) -> pa.Table:
         """A table of the plan, of all scenes: `scenes`, `agents`, `hazards`; `weather` where it has keyframes."""
-        return self._files.table(f"plan/{name}.parquet")
+        return older.plan_as_of_today(self._files.table(f"plan/{name}.parquet"))
 
     def scenes(
         self,
@@ -145,8 +146,8 @@ class Dataset:
         for scene in scenes:
             piece = scene.table(name, columns)
             if "scene" not in piece.column_names:
-                numbers = pa.array(np.full(piece.num_rows, scene.number, np.int32))
-                piece = piece.add_column(0, pa.field("scene", pa.int32()), numbers)
+                numbers = pa.array(np.full(piece.num_rows, scene.number, np.uint32))
+                piece = piece.add_column(0, pa.field("scene", pa.uint32()), numbers)
             pieces.append(piece.replace_schema_metadata(None))
         return pa.concat_tables(pieces, promote_options="default")
 
@@ -264,8 +265,15 @@ class Scene:
         return Frame(self, number)
 
     def table(self, name: str, columns: Sequence[str] | None = None) -> pa.Table:
-        """A whole table by its name in docs/schema.md: `tracks`, `boxes_valid`, `log/actors`, ..."""
-        return self._files.table(self.key(f"{name}.parquet"), columns)
+        """A whole table by its name in docs/schema.md: `tracks`, `boxes_valid`, `log/actors`, ... That of a store of format 1
+        gets the columns of today."""
+        key = self.key(f"{name}.parquet")
+        there = self._files.parquet(key, lambda file: list(file.schema_arrow.names))
+        if "scene" in there:
+            return self._files.table(key, columns)
+        read = None if columns is None else [older.source_of(column, there) for column in columns if column != "scene"]
+        table = older.as_of_today(self._files.table(key, read), self.number)
+        return table if columns is None else table.select(columns)
 
     def tracks(self) -> pa.Table:
         """One row per object that was in some agent's list."""

@@ -21,7 +21,8 @@ from convoy.errors import StoreError
 from convoy.places import Place, Source
 from convoy.poses import Array
 
-FORMAT_VERSION = 1
+FORMAT_VERSIONS = (1, 2)
+"""Those that this package reads. Tables of format 1 lack some columns: docs/versions.md."""
 OPEN_FILES = 96
 """Handles that a thread keeps open."""
 TABLES = 16
@@ -135,9 +136,9 @@ class Files:
     def check_format(self, document: dict[str, Any], file: str) -> None:
         """Refuses a store whose files may look otherwise."""
         found = document.get("format_version")
-        if found != FORMAT_VERSION:
+        if found not in FORMAT_VERSIONS:
             raise self.error(
-                f"its format version is {found}, this package reads {FORMAT_VERSION}",
+                f"its format version is {found}, this package reads {FORMAT_VERSIONS[0]} to {FORMAT_VERSIONS[-1]}",
                 file=file,
                 do="install the convoy-data of the Convoy that made the store",
             )

@@ -8,7 +8,7 @@ use arrow_array::cast::AsArray;
 use arrow_array::types::{
     Float32Type, Float64Type, Int32Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
 };
-use arrow_array::{Array, ArrayRef, ListArray, RecordBatch, StringArray};
+use arrow_array::{Array, ArrayRef, BooleanArray, ListArray, RecordBatch, StringArray, StructArray};
 use arrow_buffer::OffsetBuffer;
 use arrow_schema::DataType;
 use codecs::{NpzReader, NpzWriter, Scalar, encode_member};
@@ -39,12 +39,25 @@ pub(super) const OF_TABLES: &[Plant] = &[
     }),
     ("units", "the sign_type of object", |store| {
         let words = |_: usize, rows: RecordBatch| {
-            let facts = rows.column_by_name("attributes").expect("is there").as_string::<i32>();
-            let wrong = |facts: &str| facts.replace("\"speed_limit", "\"how_fast");
-            let facts: Vec<String> = facts.iter().flatten().map(wrong).collect();
-            vec![replaced(&rows, "attributes", Arc::new(StringArray::from(facts)))]
+            let facts = rows.column_by_name("attributes").expect("is there").as_struct();
+            let (fields, mut values, nulls) = facts.clone().into_parts();
+            let at = fields.iter().position(|field| field.name() == "sign_type").expect("is a field");
+            let words = values[at].as_string::<i32>().iter();
+            let words = words.map(|word| word.map(|word| word.replace("speed_limit", "how_fast")));
+            values[at] = Arc::new(StringArray::from_iter(words));
+            vec![replaced(&rows, "attributes", Arc::new(StructArray::new(fields, values, nulls)))]
         };
         edit(&table(store, "log/actors"), words, |note| note);
+    }),
+    ("files", "agents.parquet: has rows of scene 5", |store| {
+        change::<UInt32Type>(table(store, "agents"), "scene", 0, |all| all.fill(5));
+    }),
+    ("box shape", "is_ego is wrong", |store| {
+        let all = |_: usize, rows: RecordBatch| {
+            let egos = BooleanArray::from(vec![true; rows.num_rows()]);
+            vec![replaced(&rows, "is_ego", Arc::new(egos))]
+        };
+        edit(&table(store, "boxes_valid"), all, |note| note);
     }),
     ("times", "frame 4 is at", |store| {
         let row = 4;

@@ -63,13 +63,18 @@ export class Decoder {
     return [{ ...archive.about(), frames: archive.members.size }, []]
   }
 
-  /** Whole columns of a table: name to `{values, starts}`; `starts` where a row is a list. */
+  /** Whole columns of a table: name to `{values, starts}`; `starts` where a row is a list. Structs are JSON texts. */
   async table(request) {
     const file = await this.open(ParquetFile, request)
     const parts = []
-    for (let group = 0; group < file.groups.length; group++) parts.push(await file.readGroup(group, request.columns))
+    for (let group = 0; group < file.groups.length; group++) parts.push(await file.readGroup(group, request.columns.flatMap(name => [name, ...file.fieldsOf(name)])))
     const columns = {}
-    for (const name of request.columns.filter(n => file.columns.has(n))) {
+    for (const name of request.columns) {
+      const fields = file.fieldsOf(name)
+      if (fields.length) {
+        columns[name] = concatenated(parts.map((part, i) => ({ values: structTexts(name, fields, part, Number(file.groups[i].num_rows)) })))
+      }
+      if (!file.columns.has(name)) continue
       const isList = file.columns.get(name).length > 2
       const groups = parts.map((part, i) => {
         const rows = Number(file.groups[i].num_rows)
@@ -204,6 +209,22 @@ export class Decoder {
     const faces = await voxelFaces(archive, request)
     return [{ ...faces, bytes: faces.cells.byteLength }, [faces.cells.buffer]]
   }
+}
+
+/** Structs as the JSON texts that tables of format 1 have in their place: fields without a value are left out. */
+function structTexts(name, fields, part, rows) {
+  const objects = Array.from({ length: rows }, () => ({}))
+  for (const field of fields) {
+    const values = flat(part[field], rows)
+    const key = field.slice(name.length + 1)
+    for (let row = 0; row < rows; row++) {
+      const value = values[row]
+      if (value === null || Number.isNaN(value)) continue
+      if (key === 'other') Object.assign(objects[row], JSON.parse(value))
+      else objects[row][key] = part[field].isFlag ? value === 1 : value
+    }
+  }
+  return objects.map(object => JSON.stringify(object))
 }
 
 function concatenated(groups) {

@@ -31,10 +31,20 @@ export class ParquetFile {
     this.groups = metadata.row_groups
     this.rows = Number(metadata.num_rows)
     this.columns = new Map()
-    for (const chunk of this.groups[0]?.columns ?? []) {
+    this.places = new Map()
+    for (const [place, chunk] of (this.groups[0]?.columns ?? []).entries()) {
       const schemaPath = getSchemaPath(metadata.schema, chunk.meta_data.path_in_schema)
-      this.columns.set(schemaPath[1].element.name, schemaPath)
+      // A list is named by its root, a field of a struct by its path.
+      const { name, converted_type: kind } = schemaPath[1].element
+      const full = schemaPath.length > 2 && kind !== 'LIST' ? chunk.meta_data.path_in_schema.join('.') : name
+      this.columns.set(full, schemaPath)
+      this.places.set(full, place)
     }
+  }
+
+  /** Names of the columns that make up a struct. */
+  fieldsOf(name) {
+    return [...this.columns.keys()].filter(column => column.startsWith(`${name}.`))
   }
 
   /** JSON texts of the file's metadata. */
@@ -56,7 +66,7 @@ export class ParquetFile {
   /** Columns of one row group: name to `{values, dictionary, definition, repetition, levels}`. Those that are not there are left out. */
   async readGroup(group, names) {
     const chunks = names.filter(name => this.columns.has(name)).map(name => {
-      const meta = this.groups[group].columns.find(c => c.meta_data.path_in_schema[0] === name).meta_data
+      const meta = this.groups[group].columns[this.places.get(name)].meta_data
       const start = Number(meta.dictionary_page_offset ?? meta.data_page_offset)
       return { name, meta, start, end: start + Number(meta.total_compressed_size) }
     })
@@ -149,7 +159,7 @@ function joined(pages, dictionary, type, levels) {
     }
     return all
   }
-  return { values, dictionary: values instanceof Uint32Array ? dictionary : null, definition: collect('definitionLevels'), repetition: collect('repetitionLevels'), levels }
+  return { values, dictionary: values instanceof Uint32Array ? dictionary : null, definition: collect('definitionLevels'), repetition: collect('repetitionLevels'), levels, isFlag: type === 'BOOLEAN' }
 }
 
 function decodeInto(values, at, codes, dictionary) {

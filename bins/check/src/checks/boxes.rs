@@ -202,7 +202,8 @@ fn read_batch(
     let (velocities, turning) =
         (rows.vectors::<3>("velocity_mps")?, rows.vectors::<3>("angular_velocity_radps")?);
     let (distances, angles) = (rows.reals("distance_m")?, rows.maybe_reals("angle_rad")?);
-    let (signals, attributes) = (rows.maybe_texts("signal_state")?, rows.texts("attributes")?);
+    let (signals, attributes) = (rows.maybe_texts("signal_state")?, rows.facts("attributes")?);
+    let egos = rows.maybe_there("is_ego", Batch::flags)?;
     let seen = seen.map(SeenColumns::of).transpose()?;
     for k in (0..rows.len()).filter(|&k| agents[k] == name) {
         let (frame, id) = (frames[k], u16::try_from(ids[k]).unwrap_or(0));
@@ -237,10 +238,12 @@ fn read_batch(
         let same =
             same_tags && DetectionClass::from_tags(&row_tags) == Some(class) && actor.model == models[k];
         ledger.expect(Rule::BoxShape, same, || fault("tags, class or model are not the log's"));
-        let facts = serde_json::from_str::<serde_json::Value>(&attributes[k]).ok();
-        let same = facts.as_ref() == Some(&actor.attributes)
-            && signals[k].as_ref() == scene.signals.get(&(frame, id));
+        let same =
+            attributes[k] == actor.attributes && signals[k].as_ref() == scene.signals.get(&(frame, id));
         ledger.expect(Rule::BoxShape, same, || fault("attributes or signal state are not the log's"));
+        let marked = |egos: &Option<Vec<bool>>| egos.as_ref().is_none_or(|egos| egos[k] == (id == agent.id));
+        let marked = marked(&egos) && seen.as_ref().is_none_or(|seen| marked(&seen.egos));
+        ledger.expect(Rule::BoxShape, marked, || fault("is_ego is wrong"));
         let seen = seen.as_ref().map(|seen| {
             let same = seen.is_about(k, (frame, name, ids[k]), &classes[k], &corners[k], distances[k]);
             ledger.expect(Rule::BoxShape, same, || fault("boxes_valid has another box in this row"));
@@ -269,6 +272,8 @@ struct SeenColumns {
     classes: Vec<String>,
     corners: Vec<[f64; 24]>,
     distances: Vec<f64>,
+    /// Format 1 has none.
+    egos: Option<Vec<bool>>,
     seen: Vec<Evidence>,
 }
 
@@ -291,6 +296,7 @@ impl SeenColumns {
             classes: rows.texts("class")?,
             corners: rows.vectors("corners_m")?,
             distances: rows.reals("distance_m")?,
+            egos: rows.maybe_there("is_ego", Batch::flags)?,
         })
     }
 

@@ -10,10 +10,14 @@ use schema::{DetectionClass, FRAME_PERIOD_S};
 use crate::files::{Batch, Npz, Table, Unreadable, extent, unreal};
 use crate::ledger::Ledger;
 use crate::rules::Rule;
+use crate::scene::{Named, Scene};
 use crate::space::within;
 
 /// Greatest difference of a time from its frame's, s.
 const TIME_S: f64 = 1e-9;
+
+/// The column that says whose table it is.
+const SCENE: &str = "scene";
 
 /// Half a turn and a hair, rad: angles of 32 bits may round upwards.
 const HALF_TURN: f64 = std::f64::consts::PI + 1e-6;
@@ -95,9 +99,10 @@ const WORDS: &[(&str, &str, &[&str])] = &[
     ("hd_map", "lane_change", &["NONE", "Left", "Right", "Both"]),
 ];
 
-/// Looks at a table as such. `rows`: as many as its manifest says; `frames`: of the scene, and of how many of
-/// them one has rows or a member; `every`: of the row groups of sensors only each so many are looked at.
-pub(crate) fn check(path: &Path, rows: usize, (frames, rate): (u32, u32), every: u32, ledger: &mut Ledger) {
+/// Looks at a table as such. `rate`: of how many of the scene's frames one has rows or a member; `every`: of
+/// the row groups of sensors only each so many are looked at.
+pub(crate) fn check(scene: &Scene, named: &Named, rate: u32, every: u32, ledger: &mut Ledger) {
+    let (path, frames, rows) = (named.path.as_path(), scene.frames, named.rows);
     let name = path.to_string_lossy().replace('\\', "/");
     if name.ends_with(".npz") {
         if let Some(archive) = ledger.read(Npz::open(path)) {
@@ -117,9 +122,10 @@ pub(crate) fn check(path: &Path, rows: usize, (frames, rate): (u32, u32), every:
     ledger.expect(Rule::Files, count == rows, || {
         format!("{inside}: has {count} rows, its manifest says {rows}")
     });
-    if inside.contains("/stats/") {
-        return;
-    }
+    // Tables of format 1 do not say whose they are.
+    ledger.expect(Rule::Files, table.has(SCENE) || named.format < 2, || {
+        format!("{inside}: has no column `{SCENE}`")
+    });
     let is_sensor = inside.contains("sensors/");
     // Large tables have a row group a frame.
     let is_large = is_sensor && count > 1 && table.group_count() == count;
@@ -128,12 +134,24 @@ pub(crate) fn check(path: &Path, rows: usize, (frames, rate): (u32, u32), every:
         if is_large { (0..count).step_by(step).map(|row| table.row(row)).collect() } else { table.batches() };
     let Some(batches) = ledger.read(read) else { return };
     for batch in &batches {
+        if let Some(numbers) = ledger.read(batch.maybe_there(SCENE, Batch::ints)).flatten() {
+            let other = numbers.iter().find(|number| **number != i64::from(scene.number));
+            ledger.expect(Rule::Files, other.is_none(), || {
+                format!("{inside}: has rows of scene {}", other.unwrap_or(&0))
+            });
+        }
+        if inside.contains("/stats/") {
+            continue;
+        }
         for (column, values) in batch.columns() {
             check_column(inside, column, values, ledger);
         }
         if is_sensor {
             equally_long(inside, batch, ledger);
         }
+    }
+    if inside.contains("/stats/") {
+        return;
     }
     let a_row_a_frame = is_sensor && !GAPPED.iter().any(|name| inside.ends_with(name));
     if let Some(found) = ledger.read(times(&batches)) {

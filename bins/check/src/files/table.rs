@@ -10,6 +10,7 @@ use arrow_array::types::{
 };
 use arrow_array::{Array, ArrayRef, RecordBatch};
 use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ParquetRecordBatchReaderBuilder};
+use serde_json::Value;
 
 use super::Unreadable;
 
@@ -145,6 +146,41 @@ impl Batch {
         self.all(name, self.maybe_texts(name)?)
     }
 
+    /// Facts about objects: a struct of named values, or in format 1 a JSON object; those that are not said
+    /// are left out.
+    pub(crate) fn facts(&self, name: &str) -> Result<Vec<Value>, Unreadable> {
+        let Some(fields) = self.column(name)?.as_struct_opt() else {
+            let texts = self.texts(name)?;
+            return Ok(texts.iter().map(|text| serde_json::from_str(text).unwrap_or(Value::Null)).collect());
+        };
+        let mut rows = vec![serde_json::Map::new(); self.len()];
+        for (key, values) in fields.column_names().into_iter().zip(fields.columns()) {
+            let values: Vec<Option<Value>> = if let Some(texts) = values.as_string_opt::<i32>() {
+                texts.iter().map(|text| text.map(Value::from)).collect()
+            } else if let Some(flags) = values.as_boolean_opt() {
+                flags.iter().map(|flag| flag.map(Value::from)).collect()
+            } else if let Some(numbers) = ints_of(values) {
+                numbers.into_iter().map(|number| number.map(Value::from)).collect()
+            } else {
+                let numbers = reals_of(values).ok_or_else(|| self.fault(name, "holds no facts"))?;
+                numbers.into_iter().map(|number| number.map(Value::from)).collect()
+            };
+            for (row, value) in rows.iter_mut().zip(values) {
+                row.extend(value.map(|value| (key.to_owned(), value)));
+            }
+        }
+        Ok(rows.into_iter().map(Value::Object).collect())
+    }
+
+    /// A column that older tables lack.
+    pub(crate) fn maybe_there<T>(
+        &self,
+        name: &str,
+        read: impl FnOnce(&Self, &str) -> Result<T, Unreadable>,
+    ) -> Result<Option<T>, Unreadable> {
+        self.rows.column_by_name(name).map(|_| read(self, name)).transpose()
+    }
+
     /// Truth values.
     pub(crate) fn flags(&self, name: &str) -> Result<Vec<bool>, Unreadable> {
         let flags = self.column(name)?.as_boolean_opt();
@@ -244,8 +280,8 @@ fn reals_of(array: &ArrayRef) -> Option<Vec<Option<f64>>> {
         .or_else(|| each_as::<Float16Type, _>(array, f64::from))
 }
 
-/// Values of a column of real numbers (or of lists of them) that are no numbers: how many of how many; none
-/// for other columns.
+/// Values of a column of real numbers (or of lists or structs of them) that are no numbers: how many of how
+/// many; none for other columns.
 pub(crate) fn unreal(array: &ArrayRef) -> Option<(usize, usize)> {
     if let Some(values) = array.as_primitive_opt::<Float64Type>() {
         return Some((values.iter().flatten().filter(|v| !v.is_finite()).count(), values.len()));
@@ -255,6 +291,10 @@ pub(crate) fn unreal(array: &ArrayRef) -> Option<(usize, usize)> {
     }
     if let Some(values) = array.as_primitive_opt::<Float16Type>() {
         return Some((values.iter().flatten().filter(|v| !v.is_finite()).count(), values.len()));
+    }
+    if let Some(fields) = array.as_struct_opt() {
+        let counts = fields.columns().iter().filter_map(unreal);
+        return counts.reduce(|(bad, all), (more_bad, more)| (bad + more_bad, all + more));
     }
     let list = array.as_list_opt::<i32>().map(|list| list.values().clone());
     let list = list.or_else(|| array.as_fixed_size_list_opt().map(|list| list.values().clone()))?;

@@ -21,6 +21,7 @@ pub enum Column {
     F64(Vec<f64>),
     Str(Vec<String>),
     Bytes(Vec<Vec<u8>>),
+    OptBool(Vec<Option<bool>>),
     OptI32(Vec<Option<i32>>),
     OptF64(Vec<Option<f64>>),
     OptStr(Vec<Option<String>>),
@@ -36,6 +37,8 @@ pub enum Column {
     FixedF32(usize, Vec<f32>),
     /// Fixed number of values per row, stored flat.
     FixedF64(usize, Vec<f64>),
+    /// Named values per row: a column each.
+    Struct(Vec<(&'static str, Column)>),
 }
 
 impl Column {
@@ -54,6 +57,7 @@ impl Column {
             Self::F64(v) => v.len(),
             Self::Str(v) => v.len(),
             Self::Bytes(v) => v.len(),
+            Self::OptBool(v) => v.len(),
             Self::OptI32(v) => v.len(),
             Self::OptF64(v) => v.len(),
             Self::OptStr(v) => v.len(),
@@ -65,6 +69,7 @@ impl Column {
             Self::ListStr(v) => v.len(),
             Self::FixedF32(n, v) => v.len() / (*n).max(1),
             Self::FixedF64(n, v) => v.len() / (*n).max(1),
+            Self::Struct(fields) => fields.first().map_or(0, |(_, column)| column.len()),
         }
     }
 
@@ -89,6 +94,7 @@ impl Column {
             Self::F64(_) => "f64".into(),
             Self::Str(_) => "string".into(),
             Self::Bytes(_) => "binary".into(),
+            Self::OptBool(_) => "bool, may be null".into(),
             Self::OptI32(_) => "i32, may be null".into(),
             Self::OptF64(_) => "f64, may be null".into(),
             Self::OptStr(_) => "string, may be null".into(),
@@ -101,6 +107,7 @@ impl Column {
             Self::ListStr(_) => "list of string".into(),
             Self::FixedF32(n, _) => format!("f32[{n}]"),
             Self::FixedF64(n, _) => format!("f64[{n}]"),
+            Self::Struct(_) => "struct".into(),
         }
     }
 }
@@ -211,6 +218,7 @@ cell!(i64, I64);
 cell!(f32, F32);
 cell!(f64, F64);
 cell!(String, Str);
+cell!(Option<bool>, OptBool);
 cell!(Option<i32>, OptI32);
 cell!(Option<f64>, OptF64);
 cell!(Option<String>, OptStr);

@@ -101,7 +101,7 @@ impl Source {
         let mut digest = self.infos.metadata_text.clone();
         digest.extend_from_slice(&text);
         let weather = |named: &std::collections::BTreeMap<String, f64>| {
-            Weather::NAMES.map(|name| named.get(name).copied().unwrap_or(0.0))
+            Weather::from_array(Weather::NAMES.map(|name| named.get(name).copied().unwrap_or(0.0)))
         };
         let keys = |(agent, records): &(AgentId, Vec<crate::infos::Record>)| {
             let known = sensors::of_agent(*agent, &records[0]).into_iter().map(|(key, _)| key);

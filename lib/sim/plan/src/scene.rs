@@ -266,8 +266,8 @@ pub fn plan_scene(
         warmup_s,
         spawn_mode: mode.name().into(),
         dynamic_weather: weather.is_dynamic,
-        initial_weather: weather.initial.to_array(),
-        final_weather: weather.last.to_array(),
+        initial_weather: weather.initial,
+        final_weather: weather.last,
         spawn_radius_m: radius,
         spawn_separation_m: settings.agents.spawn_separation_m,
         background_vehicles: background.map(|n| n.min(i32::MAX as u32) as i32),
@@ -280,8 +280,7 @@ pub fn plan_scene(
     };
     let warnings = placement.warnings.iter().map(|w| format!("scene {number} ({}): {w}", slot.map)).collect();
     let between = weather.between.iter();
-    let weather =
-        between.map(|(at_s, w)| PlanWeatherRow { scene: number, at_s: *at_s, weather: w.to_array() });
+    let weather = between.map(|(at_s, w)| PlanWeatherRow { scene: number, at_s: *at_s, weather: *w });
     let routes = ways.route_rows(&map.map, number);
     let (weather, trajectories) = (weather.collect(), ways.trajectories.concat());
     Ok(PlannedScene { scene, agents, hazards, weather, routes, trajectories, warnings })

@@ -29,10 +29,7 @@ pub fn without_lights(agents: &AgentSettings, maps: &BTreeMap<String, PlanMap>) 
 /// Rain or fog in the plan, and lidars that do not feel it; `scenario_of` gives what a scene is made by.
 #[must_use]
 pub fn unfelt_weather<'a>(scenario_of: &dyn Fn(u32) -> &'a Scenario, plan: &Plan) -> Vec<Suspicion> {
-    let is_met = |weather: [f64; Weather::COUNT]| {
-        let weather = Weather::from_array(weather);
-        weather.precipitation > 0.0 || weather.fog_density > 0.0
-    };
+    let is_met = |weather: Weather| weather.precipitation > 0.0 || weather.fog_density > 0.0;
     let is_wet = |scene: &PlanSceneRow| {
         let between = plan.weather.iter().filter(|row| row.scene == scene.scene).map(|row| row.weather);
         between.chain([scene.initial_weather, scene.final_weather]).any(is_met)

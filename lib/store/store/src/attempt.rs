@@ -308,7 +308,11 @@ impl Attempt {
         if self.records.contains(&key)
             && let Some(part) = sound(self.store.read_json::<Manifest>(&key))?
         {
-            let same = Manifest { outputs: part.outputs.clone(), ..self.manifest_of(Vec::new()) };
+            let same = Manifest {
+                format_version: part.format_version,
+                outputs: part.outputs.clone(),
+                ..self.manifest_of(Vec::new())
+            };
             if part.digest() == same.digest()
                 && self.identity.may_go_on_from(&part)
                 && self.store.outputs_present(&part)?

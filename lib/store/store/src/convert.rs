@@ -11,11 +11,11 @@ use arrow_array::types::{
 };
 use arrow_array::{
     Array, ArrayRef, BinaryArray, BooleanArray, FixedSizeListArray, Float32Array, Float64Array,
-    GenericListArray, Int32Array, Int64Array, ListArray, PrimitiveArray, StringArray, UInt8Array,
-    UInt16Array, UInt32Array, UInt64Array,
+    GenericListArray, Int32Array, Int64Array, ListArray, PrimitiveArray, StringArray, StructArray,
+    UInt8Array, UInt16Array, UInt32Array, UInt64Array,
 };
 use arrow_buffer::OffsetBuffer;
-use arrow_schema::{DataType, Field, Schema};
+use arrow_schema::{DataType, Field, Fields, Schema};
 use schema::table::{Column, ColumnError, Row};
 
 type Half = <Float16Type as ArrowPrimitiveType>::Native;
@@ -28,11 +28,16 @@ pub(crate) fn arrow_schema<R: Row>() -> Schema {
 
 /// The arrow schema of some named columns.
 pub(crate) fn schema_of<'a>(columns: impl Iterator<Item = (&'a str, &'a Column)>) -> Schema {
-    let field = |(name, column): (&str, &Column)| {
-        let (data_type, nullable) = arrow_type(column);
-        Field::new(name, data_type, nullable)
-    };
-    Schema::new(columns.map(field).collect::<Vec<_>>())
+    Schema::new(columns.map(|(name, column)| field_of(name, column)).collect::<Vec<_>>())
+}
+
+fn field_of(name: &str, column: &Column) -> Field {
+    let (data_type, nullable) = arrow_type(column);
+    Field::new(name, data_type, nullable)
+}
+
+fn fields_of(columns: &[(&'static str, Column)]) -> Fields {
+    columns.iter().map(|(name, column)| field_of(name, column)).collect()
 }
 
 fn item(data_type: DataType) -> Arc<Field> {
@@ -41,7 +46,7 @@ fn item(data_type: DataType) -> Arc<Field> {
 
 fn arrow_type(column: &Column) -> (DataType, bool) {
     let data_type = match column {
-        Column::Bool(_) => DataType::Boolean,
+        Column::Bool(_) | Column::OptBool(_) => DataType::Boolean,
         Column::U8(_) => DataType::UInt8,
         Column::U16(_) => DataType::UInt16,
         Column::U32(_) => DataType::UInt32,
@@ -61,8 +66,11 @@ fn arrow_type(column: &Column) -> (DataType, bool) {
         Column::ListStr(_) => DataType::List(item(DataType::Utf8)),
         Column::FixedF32(n, _) => DataType::FixedSizeList(item(DataType::Float32), *n as i32),
         Column::FixedF64(n, _) => DataType::FixedSizeList(item(DataType::Float64), *n as i32),
+        Column::Struct(fields) => DataType::Struct(fields_of(fields)),
     };
-    (data_type, matches!(column, Column::OptI32(_) | Column::OptF64(_) | Column::OptStr(_)))
+    let nullable =
+        matches!(column, Column::OptBool(_) | Column::OptI32(_) | Column::OptF64(_) | Column::OptStr(_));
+    (data_type, nullable)
 }
 
 /// Our column as an arrow array.
@@ -79,6 +87,7 @@ pub(crate) fn to_arrow(column: Column) -> ArrayRef {
         Column::F64(v) => Arc::new(Float64Array::from(v)),
         Column::Str(v) => Arc::new(StringArray::from(v)),
         Column::Bytes(v) => Arc::new(BinaryArray::from_iter_values(v)),
+        Column::OptBool(v) => Arc::new(BooleanArray::from(v)),
         Column::OptI32(v) => Arc::new(Int32Array::from(v)),
         Column::OptF64(v) => Arc::new(Float64Array::from(v)),
         Column::OptStr(v) => Arc::new(StringArray::from(v)),
@@ -108,6 +117,11 @@ pub(crate) fn to_arrow(column: Column) -> ArrayRef {
             Arc::new(Float64Array::from(v)),
             None,
         )),
+        Column::Struct(columns) => {
+            let fields = fields_of(&columns);
+            let arrays = columns.into_iter().map(|(_, column)| to_arrow(column)).collect();
+            Arc::new(StructArray::new(fields, arrays, None))
+        }
     }
 }
 
@@ -144,6 +158,7 @@ pub(crate) fn from_arrow(name: &str, wanted: &Column, array: &dyn Array) -> Resu
         Column::I64(_) => Column::I64(primitive!(Int64Array).values().to_vec()),
         Column::F32(_) => Column::F32(primitive!(Float32Array).values().to_vec()),
         Column::F64(_) => Column::F64(primitive!(Float64Array).values().to_vec()),
+        Column::OptBool(_) => Column::OptBool(primitive!(BooleanArray).iter().collect()),
         Column::OptI32(_) => Column::OptI32(primitive!(Int32Array).iter().collect()),
         Column::OptF64(_) => Column::OptF64(primitive!(Float64Array).iter().collect()),
         Column::Str(_) => {
@@ -198,6 +213,26 @@ pub(crate) fn from_arrow(name: &str, wanted: &Column, array: &dyn Array) -> Resu
                 return Err(wrong());
             }
             Column::FixedF64(*n, values.values().to_vec())
+        }
+        // What stands in its place in tables of format 1: the cell's type knows its meaning.
+        Column::Struct(fields) if !matches!(array.data_type(), DataType::Struct(_)) => {
+            match array.data_type() {
+                DataType::Utf8 => from_arrow(name, &Column::Str(Vec::new()), array)?,
+                DataType::FixedSizeList(..) => {
+                    from_arrow(name, &Column::FixedF64(fields.len(), Vec::new()), array)?
+                }
+                _ => return Err(wrong()),
+            }
+        }
+        Column::Struct(fields) => {
+            let array = primitive!(StructArray);
+            let field = |(field, wanted): &(&'static str, Column)| {
+                let name = format!("{name}.{field}");
+                let lacks = || ColumnError { column: name.clone(), row: None, problem: "is missing".into() };
+                let values = array.column_by_name(field).ok_or_else(lacks)?;
+                Ok((*field, from_arrow(&name, wanted, values.as_ref())?))
+            };
+            Column::Struct(fields.iter().map(field).collect::<Result<_, _>>()?)
         }
     })
 }

@@ -118,14 +118,14 @@ pub enum StoreError {
     },
     /// A store of another layout version.
     #[error(
-        "{path}: store format {found}, this program reads and writes {expected} (use the Convoy that made the store, or a fresh store)"
+        "{path}: store format {found}, this program reads 1 to {expected} (use the Convoy that made the store, or a fresh store)"
     )]
     Format {
         /// The file that says so.
         path: String,
         /// Version found.
         found: u32,
-        /// Version of this program.
+        /// The newest that this program reads.
         expected: u32,
     },
     /// A text that names no place of storage we know.

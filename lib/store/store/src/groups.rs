@@ -11,6 +11,7 @@ use parquet::arrow::arrow_reader::{
     RowSelection,
 };
 use parquet::errors::ParquetError;
+use schema::older::of_format_1;
 use schema::table::{Column, ColumnError, Row};
 
 use crate::shard::Chunks;
@@ -38,8 +39,14 @@ impl<R: Row> RowGroups<R> {
         let loaded = ArrowReaderMetadata::load(&chunks, ArrowReaderOptions::new());
         let about = loaded.map_err(|e| chunks.error(&e))?;
         let parquet_schema = about.parquet_schema();
-        let named: BTreeSet<&str> = R::fields().iter().map(|field| field.name).collect();
         let columns = parquet_schema.root_schema().get_fields();
+        let named: BTreeSet<&str> = R::fields()
+            .iter()
+            .map(|field| match of_format_1(R::TABLE, field.name) {
+                Some(older) if columns.iter().all(|column| column.name() != field.name) => older.from,
+                _ => field.name,
+            })
+            .collect();
         let own: Vec<usize> = (0..columns.len()).filter(|i| named.contains(columns[*i].name())).collect();
         let columns = ProjectionMask::roots(parquet_schema, own);
         let table = Table { chunks, about, columns };
@@ -201,13 +208,16 @@ impl Table {
 fn rows_of<R: Row>(batch: &RecordBatch) -> Result<Vec<R>, ColumnError> {
     let wanted: Vec<Column> = R::to_columns(&[]);
     let mut columns = Vec::with_capacity(wanted.len());
+    let of_batch = |name: &'static str, wanted: &Column| match batch.column_by_name(name) {
+        Some(array) => convert::from_arrow(name, wanted, array.as_ref()),
+        None => Err(ColumnError { column: name.to_owned(), row: None, problem: "is missing".into() }),
+    };
     for (field, column) in R::fields().into_iter().zip(&wanted) {
-        let array = batch.column_by_name(field.name).ok_or_else(|| ColumnError {
-            column: field.name.to_owned(),
-            row: None,
-            problem: "is missing".into(),
-        })?;
-        columns.push(convert::from_arrow(field.name, column, array.as_ref())?);
+        let older = of_format_1(R::TABLE, field.name).filter(|_| batch.column_by_name(field.name).is_none());
+        columns.push(match older {
+            Some(older) => older.column(of_batch)?,
+            None => of_batch(field.name, column)?,
+        });
     }
     R::from_columns(columns)
 }

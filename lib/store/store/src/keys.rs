@@ -145,6 +145,12 @@ pub fn scene(scene: u32, name: &str) -> String {
     format!("scenes/{scene:04}/{name}")
 }
 
+/// The scene in whose folder a file lies.
+#[must_use]
+pub fn scene_of(key: &str) -> Option<u32> {
+    key.strip_prefix("scenes/")?.split_once('/')?.0.parse().ok()
+}
+
 /// A table of a scene, by the type of its rows.
 #[must_use]
 pub fn table<R: Row>(of_scene: u32) -> String {

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 use arrow_array::RecordBatch;
-use arrow_schema::{DataType, Schema};
+use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_writer::{
     ArrowColumnChunk, ArrowColumnWriter, ArrowRowGroupWriterFactory, compute_leaves,
@@ -17,10 +17,11 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::ColumnPath;
+use schema::SCENE_COLUMN;
 use schema::table::{Column, Row};
 
 use crate::write::{Failed, FileWriter, Finished};
-use crate::{StoreError, convert};
+use crate::{StoreError, convert, keys};
 
 /// How a table is laid out.
 #[derive(Clone, Debug, Default)]
@@ -165,6 +166,8 @@ struct OpenGroup {
 }
 
 struct Encoder {
+    /// What the column of the scene says, where the table is one of a scene.
+    scene: Option<u32>,
     schema: Arc<Schema>,
     factory: ArrowRowGroupWriterFactory,
     location: String,
@@ -178,7 +181,8 @@ impl Encoder {
     }
 
     fn fill(&self, group: &mut OpenGroup, columns: Vec<Column>, rows: usize) -> Result<(), StoreError> {
-        let arrays = columns.into_iter().map(convert::to_arrow).collect();
+        let scene = self.scene.map(|scene| Column::U32(vec![scene; rows]));
+        let arrays = scene.into_iter().chain(columns).map(convert::to_arrow).collect();
         let batch = RecordBatch::try_new(Arc::clone(&self.schema), arrays).map_err(ParquetError::from);
         batch.and_then(|batch| write(group, &batch)).map_err(|e| self.error(e))?;
         group.rows += rows;
@@ -211,12 +215,17 @@ fn start(
     schema: Schema,
     options: &TableOptions,
 ) -> Result<(SerializedFileWriter<FileWriter>, Encoder), StoreError> {
-    let (location, schema) = (file.location().to_owned(), Arc::new(schema));
+    let (location, scene) = (file.location().to_owned(), keys::scene_of(file.key()));
+    let mut fields: Vec<_> = schema.fields().iter().cloned().collect();
+    if scene.is_some() {
+        fields.insert(0, Arc::new(Field::new(SCENE_COLUMN.name, DataType::UInt32, false)));
+    }
+    let schema = Arc::new(Schema::new(fields));
     let properties = properties(&schema, options);
     let started = ArrowWriter::try_new(file, schema.clone(), Some(properties))
         .and_then(ArrowWriter::into_serialized_writer);
     let (file, factory) = started.map_err(|e| not_encoded(&location, e))?;
-    Ok((file, Encoder { schema, factory, location }))
+    Ok((file, Encoder { scene, schema, factory, location }))
 }
 
 fn append(file: &mut SerializedFileWriter<FileWriter>, group: EncodedGroup) -> Result<(), ParquetError> {
@@ -277,29 +286,20 @@ fn properties(schema: &Schema, options: &TableOptions) -> WriterProperties {
         .set_compression(compression)
         .set_statistics_enabled(EnabledStatistics::Chunk)
         .set_max_row_group_row_count(None);
-    for field in schema.fields() {
-        let (leaf, nested) = match field.data_type() {
-            DataType::List(item) => (item.data_type(), Some("list.item")),
-            DataType::FixedSizeList(item, _) => (item.data_type(), Some("list.item")),
-            other => (other, None),
-        };
-        let path = match nested {
-            Some(nested) => format!("{}.{nested}", field.name()),
-            None => field.name().clone(),
-        };
-        let path = ColumnPath::from(path.split('.').map(str::to_owned).collect::<Vec<_>>());
-        if nested.is_some() {
+    for Leaf { path, data_type, is_of_list } in leaves(schema) {
+        let path = ColumnPath::from(path);
+        if is_of_list {
             // Nobody skips a row for the least and greatest of its list.
             builder = builder.set_column_statistics_enabled(path.clone(), EnabledStatistics::None);
         }
-        if matches!(leaf, DataType::Float32 | DataType::Float64) {
+        if matches!(data_type, DataType::Float32 | DataType::Float64) {
             builder = builder
                 .set_column_dictionary_enabled(path.clone(), false)
                 .set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT);
-        } else if matches!(leaf, DataType::Float16) {
+        } else if matches!(data_type, DataType::Float16) {
             // Not split into streams: readers know that of 16 bits since a short time only.
             builder = builder.set_column_dictionary_enabled(path, false);
-        } else if matches!(leaf, DataType::Binary) {
+        } else if matches!(data_type, DataType::Binary) {
             builder = builder
                 .set_column_dictionary_enabled(path.clone(), false)
                 .set_column_statistics_enabled(path, EnabledStatistics::None);
@@ -310,4 +310,32 @@ fn properties(schema: &Schema, options: &TableOptions) -> WriterProperties {
         builder = builder.set_key_value_metadata(Some(pairs));
     }
     builder.build()
+}
+
+/// A column of values in the file: several make up a struct.
+struct Leaf<'a> {
+    path: Vec<String>,
+    data_type: &'a DataType,
+    is_of_list: bool,
+}
+
+fn leaves(schema: &Schema) -> Vec<Leaf<'_>> {
+    let mut leaves = Vec::new();
+    for field in schema.fields() {
+        let name = || field.name().clone();
+        match field.data_type() {
+            DataType::List(item) | DataType::FixedSizeList(item, _) => leaves.push(Leaf {
+                path: vec![name(), "list".into(), "item".into()],
+                data_type: item.data_type(),
+                is_of_list: true,
+            }),
+            DataType::Struct(children) => leaves.extend(children.iter().map(|child| Leaf {
+                path: vec![name(), child.name().clone()],
+                data_type: child.data_type(),
+                is_of_list: false,
+            })),
+            data_type => leaves.push(Leaf { path: vec![name()], data_type, is_of_list: false }),
+        }
+    }
+    leaves
 }

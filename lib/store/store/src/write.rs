@@ -53,6 +53,10 @@ impl FileWriter {
         })
     }
 
+    pub(crate) fn key(&self) -> &str {
+        &self.key
+    }
+
     /// Where the shard will be, for messages.
     #[must_use]
     pub fn location(&self) -> &str {

@@ -11,6 +11,8 @@ table! {
         agent: String,
         /// Object id.
         id: u16,
+        /// Whether it is the agent's own box: what the agent is, not what it sees.
+        is_ego: bool,
         /// Detection class.
         class: String,
         /// Model name.
@@ -45,7 +47,7 @@ table! {
         is_dormant: bool,
         /// OpenDRIVE id of its signal or object.
         opendrive_id: Option<String>,
-        /// Further facts of the object as JSON, as in `log/actors`.
+        /// Further facts of the object, as in `log/actors`: see [Attributes](#attributes).
         attributes: Attributes,
     }
 }

@@ -11,6 +11,8 @@ table! {
         agent: String,
         /// Object id.
         id: u16,
+        /// Whether it is the agent's own box, as in `boxes`.
+        is_ego: bool,
         /// Detection class.
         class: String,
         /// Lidar points inside the box.

@@ -1,7 +1,8 @@
 //! Every table of a store, for its documentation.
 
 use super::*;
-use crate::table::{Field, Row};
+use crate::SCENE_COLUMN;
+use crate::table::{Column, Field, Row};
 
 /// A table's description, for `docs/schema.md`.
 #[derive(Clone, Debug)]
@@ -10,13 +11,29 @@ pub struct TableDoc {
     pub name: &'static str,
     /// What it holds.
     pub doc: &'static str,
-    /// Columns with their type names.
+    /// Columns with their type names, that of the scene included.
     pub columns: Vec<(Field, String)>,
 }
 
 fn describe_table<R: Row>() -> TableDoc {
-    let types = R::to_columns(&[]).iter().map(crate::table::Column::type_name).collect::<Vec<_>>();
-    TableDoc { name: R::TABLE, doc: R::DOC, columns: R::fields().into_iter().zip(types).collect() }
+    let types = R::to_columns(&[]);
+    let mut columns: Vec<_> = R::fields().into_iter().zip(types.iter().map(Column::type_name)).collect();
+    if is_of_scene(R::TABLE) {
+        columns.insert(0, (SCENE_COLUMN, Column::U32(Vec::new()).type_name()));
+    }
+    TableDoc { name: R::TABLE, doc: R::DOC, columns }
+}
+
+fn is_of_scene(table: &str) -> bool {
+    ["plan/", "maps/", "tiles/"].iter().all(|folder| !table.starts_with(folder))
+}
+
+impl TableDoc {
+    /// Whether scenes have it: it lies in the folder of one.
+    #[must_use]
+    pub fn is_of_scene(&self) -> bool {
+        is_of_scene(self.name)
+    }
 }
 
 /// Every table of a store.
@@ -64,8 +81,7 @@ pub fn every_table() -> Vec<TableDoc> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Column;
-    use crate::{ActorKind, ActorRole, AgentId, Attribute, Attributes, HazardKind, LampKind, SignalState};
+    use crate::{ActorKind, ActorRole, AgentId, HazardKind, LampKind, SignalState};
 
     #[test]
     fn rows_survive_the_way_to_columns_and_back() {
@@ -99,15 +115,12 @@ mod tests {
             R::to_columns(rows).swap_remove(at)
         }
         let text = |words: &[&str]| Column::Str(words.iter().map(|w| (*w).to_owned()).collect());
-        let facts = Attributes::new().with(Attribute::SignType, "speed_limit").with(Attribute::Value, 50.0);
         let actors = [
-            ActorRow { kind: ActorKind::TrafficLight, attributes: facts, ..ActorRow::default() },
+            ActorRow { kind: ActorKind::TrafficLight, ..ActorRow::default() },
             ActorRow { role: ActorRole::Agent(AgentId::rsu(3)), ..ActorRow::default() },
         ];
         assert_eq!(column(&actors, "kind"), text(&["traffic_light", "prop"]));
         assert_eq!(column(&actors, "role"), text(&["scenery", "rsu_3"]));
-        let json = [r#"{"sign_type":"speed_limit","value":"50"}"#, "{}"];
-        assert_eq!(column(&actors, "attributes"), text(&json));
         let signal = SignalRow { state: SignalState::Yellow, ..SignalRow::default() };
         assert_eq!(column(&[signal], "state"), text(&["Yellow"]));
         let lamp = LampRow { kind: LampKind::Building, ..LampRow::default() };

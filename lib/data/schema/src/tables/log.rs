@@ -37,7 +37,7 @@ table! {
         parent: Option<i32>,
         /// OpenDRIVE id of its signal or object.
         opendrive_id: Option<String>,
-        /// Further facts as a JSON object of strings (`reckless`, `sign_type`, `use_wheelchair`, ...).
+        /// Further facts (`reckless`, `sign_type`, `use_wheelchair`, ...): see [Attributes](#attributes).
         attributes: Attributes,
     }
 }

@@ -1,5 +1,6 @@
 //! The plan: what the dataset will hold.
 
+use super::weather::Weather;
 use crate::{AgentId, HazardKind, table};
 
 table! {
@@ -25,10 +26,10 @@ table! {
         spawn_mode: String,
         /// Whether the weather moves from initial to final.
         dynamic_weather: bool,
-        /// Weather before frame 0, in the order of the `frames` table's weather columns.
-        initial_weather: [f64; 14],
-        /// Weather of the last frame, same order.
-        final_weather: [f64; 14],
+        /// Weather before frame 0: fields named as the weather columns of `log/frames`.
+        initial_weather: Weather,
+        /// Weather of the last frame, likewise.
+        final_weather: Weather,
         /// Background vehicles and walkers start within this distance of any vehicle agent, m.
         spawn_radius_m: f64,
         /// Spacing of the spawn points of background vehicles along lanes, m of s.

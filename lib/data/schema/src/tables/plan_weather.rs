@@ -13,8 +13,8 @@ table! {
         scene: u32,
         /// When, s: `initial_weather` is at 0, `final_weather` at `duration_s`, frame k at 0.05 (k + 1).
         at_s: f64,
-        /// Weather then, in the order of the `frames` table's weather columns.
-        weather: [f64; 14],
+        /// Weather then: fields named as the weather columns of `log/frames`.
+        weather: Weather,
     }
 }
 
@@ -22,7 +22,7 @@ impl PlanSceneRow {
     /// The weather of a frame, -1 being the one before frame 0. `between` are the scene's keyframes, by time.
     #[must_use]
     pub fn weather_at(&self, between: &[PlanWeatherRow], frame: i32) -> Weather {
-        let [initial, last] = [self.initial_weather, self.final_weather].map(Weather::from_array);
+        let (initial, last) = (self.initial_weather, self.final_weather);
         if !self.dynamic_weather {
             return initial;
         }
@@ -32,7 +32,7 @@ impl PlanSceneRow {
             return initial.mix(&last, share);
         }
         let at_s = share * self.duration_s;
-        let inner = between.iter().map(|row| (row.at_s, Weather::from_array(row.weather)));
+        let inner = between.iter().map(|row| (row.at_s, row.weather));
         let course: Vec<(f64, Weather)> =
             std::iter::once((0.0, initial)).chain(inner).chain([(self.duration_s, last)]).collect();
         let leg = course.windows(2).find(|leg| at_s <= leg[1].0);
@@ -47,8 +47,8 @@ impl PlanSceneRow {
 mod tests {
     use super::*;
 
-    fn cloudy(cloudiness: f64) -> [f64; Weather::COUNT] {
-        Weather { cloudiness, ..Weather::default() }.to_array()
+    fn cloudy(cloudiness: f64) -> Weather {
+        Weather { cloudiness, ..Weather::default() }
     }
 
     fn scene() -> PlanSceneRow {
@@ -79,8 +79,7 @@ mod tests {
     #[test]
     fn without_keyframes_it_goes_straight_from_one_to_the_other() {
         for frame in -1..40 {
-            let want = Weather::from_array(cloudy(10.0))
-                .mix(&Weather::from_array(cloudy(50.0)), (f64::from(frame) + 1.0) / 40.0);
+            let want = cloudy(10.0).mix(&cloudy(50.0), (f64::from(frame) + 1.0) / 40.0);
             assert_eq!(scene().weather_at(&[], frame), want);
         }
     }

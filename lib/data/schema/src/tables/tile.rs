@@ -68,7 +68,7 @@ table! {
         variant: u32,
         /// OpenDRIVE id of its signal or object.
         opendrive_id: Option<String>,
-        /// Further facts as a JSON object of strings.
+        /// Further facts: see [Attributes](#attributes).
         attributes: Attributes,
     }
 }

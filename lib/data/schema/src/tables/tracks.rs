@@ -147,7 +147,7 @@ table! {
         is_dormant: bool,
         /// OpenDRIVE id of its signal or object.
         opendrive_id: Option<String>,
-        /// Further facts of the object as JSON, as in `log/actors`.
+        /// Further facts of the object, as in `log/actors`: see [Attributes](#attributes).
         attributes: Attributes,
     }
 }

@@ -1,5 +1,7 @@
 //! Weather of one frame.
 
+use crate::table::{Cell, CellError, Column};
+
 /// Names the weather's parameters, here and nowhere else: hands each one's meaning, name and value on a clear
 /// noon to another macro. Percentages are 0 to 100; angles are degrees because people set them.
 macro_rules! weather_parameters {
@@ -135,9 +137,52 @@ impl Weather {
     }
 }
 
+/// A struct with a field for each parameter.
+impl Cell for Weather {
+    fn column<'a>(values: impl Iterator<Item = &'a Self>) -> Column {
+        let mut columns = Self::NAMES.map(|_| Vec::new());
+        for weather in values {
+            for (column, value) in columns.iter_mut().zip(weather.to_array()) {
+                column.push(value);
+            }
+        }
+        Column::Struct(Self::NAMES.into_iter().zip(columns.map(Column::F64)).collect())
+    }
+
+    fn values(column: Column) -> Result<Vec<Self>, CellError> {
+        match column {
+            Column::Struct(fields) => {
+                let columns: Vec<Vec<f64>> =
+                    fields.into_iter().map(|(_, values)| f64::values(values)).collect::<Result<_, _>>()?;
+                let columns: [Vec<f64>; Self::COUNT] = columns.try_into().map_err(|_| CellError::Type)?;
+                let rows = 0..columns[0].len();
+                Ok(rows.map(|row| Self::from_array(columns.each_ref().map(|column| column[row]))).collect())
+            }
+            // Format 1: numbers in this order.
+            Column::FixedF64(Self::COUNT, flat) => {
+                Ok(flat.as_chunks().0.iter().copied().map(Self::from_array).collect())
+            }
+            _ => Err(CellError::Type),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_struct_and_the_numbers_of_format_1_are_the_same_weather() {
+        let all = [Weather::default(), Weather { cloudiness: 3.0, dust_storm: 4.0, ..Weather::default() }];
+        let column = Weather::column(all.iter());
+        let Column::Struct(fields) = &column else { panic!("{column:?}") };
+        assert_eq!(fields[0], ("cloudiness", Column::F64(vec![0.0, 3.0])));
+        assert_eq!(fields[13], ("dust_storm", Column::F64(vec![0.0, 4.0])));
+        assert_eq!(Weather::values(column), Ok(all.to_vec()));
+        let flat = all.iter().flat_map(Weather::to_array).collect();
+        assert_eq!(Weather::values(Column::FixedF64(14, flat)), Ok(all.to_vec()));
+        assert_eq!(Weather::values(Column::FixedF64(13, vec![0.0; 13])), Err(CellError::Type));
+    }
 
     #[test]
     fn arrays_names_and_overrides_agree() {

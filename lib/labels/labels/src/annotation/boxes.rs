@@ -75,7 +75,10 @@ pub fn collect(
             if distance_m < radius_m {
                 let itself = candidate.object.actor.id == observer.id;
                 let angle_rad = if itself { None } else { signed_angle(forward, to_object) };
-                rows.push(candidate.row(frame, name.clone(), distance_m, angle_rad));
+                rows.push(BoxRow {
+                    is_ego: itself,
+                    ..candidate.row(frame, name.clone(), distance_m, angle_rad)
+                });
             }
         }
     }
@@ -142,6 +145,7 @@ impl<'a> Annotated<'a> {
             frame,
             agent,
             id: actor.id,
+            is_ego: false,
             class: self.class.name().to_owned(),
             model: actor.model.clone(),
             semantic_tags: self.tags.clone(),
@@ -246,6 +250,7 @@ mod tests {
         let rows = collect(7, &[observer(0, 1, 0.3)], &objects, 100.0);
         assert_eq!(rows.iter().map(|r| r.id).collect::<Vec<_>>(), [1, 3]);
         assert_eq!(rows[0].angle_rad, None);
+        assert_eq!(rows.iter().map(|r| r.is_ego).collect::<Vec<_>>(), [true, false]);
         assert_eq!(rows[0].distance_m, 0.0);
         assert_eq!(rows[0].frame, 7);
         assert_eq!(&rows[0].corners_m[..3], &[-2.0, 1.0, 0.0], "corner 0 is rear, left, bottom");

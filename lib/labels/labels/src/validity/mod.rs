@@ -92,6 +92,7 @@ fn valid_row(row: &BoxRow, num_lidar_pts: u32, num_radar_pts: u32, evidence: &Ev
         frame: row.frame,
         agent: row.agent.clone(),
         id: row.id,
+        is_ego: row.is_ego,
         class: row.class.clone(),
         num_lidar_pts,
         num_radar_pts,

@@ -68,7 +68,7 @@ pub(super) fn write(
         let mut lines = String::new();
         for labelled in boxes.at(frame)? {
             // An agent is in its own list.
-            if labelled.raw.angle_rad.is_none() {
+            if labelled.raw.is_ego {
                 continue;
             }
             let row = shown.as_ref().map(|shown| shown.of(frame, labelled.raw.id));

@@ -48,8 +48,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn weather_has_the_published_shares() {
     let plan = planned(SCENES, |_| {});
-    let ends: [fn(&PlanSceneRow) -> Weather; 2] =
-        [|s| Weather::from_array(s.initial_weather), |s| Weather::from_array(s.final_weather)];
+    let ends: [fn(&PlanSceneRow) -> Weather; 2] = [|s| s.initial_weather, |s| s.final_weather];
     for end in ends {
         let of = |value: fn(&Weather) -> f64| -> Vec<f64> {
             plan.scenes.iter().map(|scene| value(&end(scene))).collect()
@@ -87,8 +86,8 @@ fn weather_has_the_published_shares() {
     }
     // The final weather is a draw of its own.
     for k in 0..10 {
-        let at = |pick: fn(&PlanSceneRow) -> [f64; 14]| -> Vec<f64> {
-            plan.scenes.iter().map(|s| pick(s)[k]).collect()
+        let at = |pick: fn(&PlanSceneRow) -> Weather| -> Vec<f64> {
+            plan.scenes.iter().map(|s| pick(s).to_array()[k]).collect()
         };
         let both = correlation(&at(|s| s.initial_weather), &at(|s| s.final_weather));
         assert!(both.abs() < 0.03, "{}: {both}", Weather::NAMES[k]);
@@ -146,8 +145,7 @@ fn walkers_vehicles_and_modes_cover_their_ranges_evenly() {
 #[test]
 fn rain_wind_and_fog_follow_their_rules() {
     let plan = planned(SCENES, |_| {});
-    let ends: [fn(&PlanSceneRow) -> Weather; 2] =
-        [|s| Weather::from_array(s.initial_weather), |s| Weather::from_array(s.final_weather)];
+    let ends: [fn(&PlanSceneRow) -> Weather; 2] = [|s| s.initial_weather, |s| s.final_weather];
     for end in ends {
         let draws: Vec<Weather> = plan.scenes.iter().map(end).collect();
         let of = |holds: fn(&Weather) -> bool, value: fn(&Weather) -> f64| -> Vec<f64> {

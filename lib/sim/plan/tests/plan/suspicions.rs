@@ -9,8 +9,8 @@ use settings::{DatasetSettings, OwnRig, Rig, WeatherSpec};
 fn plan_of(weathers: &[[Weather; 2]]) -> Plan {
     let scene = |(number, [initial, last]): (u32, &[Weather; 2])| PlanSceneRow {
         scene: number,
-        initial_weather: initial.to_array(),
-        final_weather: last.to_array(),
+        initial_weather: *initial,
+        final_weather: *last,
         ..PlanSceneRow::default()
     };
     Plan { scenes: (0..).zip(weathers).map(scene).collect(), ..Plan::default() }
@@ -32,7 +32,7 @@ fn rain_and_fog_that_no_lidar_feels_are_said() {
     insta::assert_snapshot!(said(&all, &plan).expect("is odd"), @"`vehicle.lidar.weather`, `rsu.lidar.weather` are false, and 2 of 4 scenes have rain or fog (1, 3): these lidars do not feel it; switch it on, or fix `precipitation` and `fog_density` at 0");
     let mut showery = plan_of(&[[fair; 2]]);
     assert_eq!(said(&all, &showery), None);
-    showery.weather = vec![PlanWeatherRow { scene: 0, at_s: 1.0, weather: rain.to_array() }];
+    showery.weather = vec![PlanWeatherRow { scene: 0, at_s: 1.0, weather: rain }];
     assert!(said(&all, &showery).expect("is odd").contains("1 of 1 scenes have rain or fog (0)"));
     all.scenario.agents.max_rsus = 0;
     let many = plan_of(&[[rain, fair]; 12]);

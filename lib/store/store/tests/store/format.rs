@@ -1,27 +1,34 @@
 //! Stores of other versions. `tests/data/format-1` is a store as the first version wrote it: it stays as it
-//! is, and every later program of that format reads it.
+//! is, and every later program reads it. So does `format-2`.
 
 use std::path::Path;
 
-use schema::tables::GnssRow;
+use schema::table::{Column, Row};
+use schema::tables::{BoxRow, GnssRow, PlanSceneRow, Weather};
+use schema::{Attribute, Attributes};
 use store::{Attempt, Failure, Redo, Scope, Store, StoreError, verify};
 
 use crate::common::{Bench, SCOPE, STAGE, gnss, identity, key, on_every_backend, run};
 
 on_every_backend!(a_store_of_another_format_is_refused, a_record_of_another_format_is_not_called_damaged);
 
-fn fixture() -> Store {
-    Store::open(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/format-1")).expect("is a folder")
+fn fixture(version: u32) -> Store {
+    let folder = format!("tests/data/format-{version}");
+    Store::open(Path::new(env!("CARGO_MANIFEST_DIR")).join(folder)).expect("is a folder")
 }
 
 /// The scene whose try was stopped half-way.
 const STOPPED: Scope = Scope::Scene(8);
 
 #[test]
-fn a_store_of_the_first_format_is_read() {
-    let store = fixture();
+fn stores_of_all_formats_are_read() {
+    (1..=schema::FORMAT_VERSION).for_each(is_read);
+}
+
+fn is_read(version: u32) {
+    let store = fixture(version);
     let manifest = store.manifest(SCOPE, STAGE).expect("reads").expect("is there");
-    assert_eq!((manifest.format_version, manifest.generation), (1, 1));
+    assert_eq!((manifest.format_version, manifest.generation), (version, 1));
     assert_eq!((manifest.stage.as_str(), manifest.code_version.as_str()), (STAGE, "test"));
     assert_eq!((manifest.config_hash.as_str(), manifest.inputs["simulate-and-log"].as_str()), ("c", "abc"));
     let rows: Vec<GnssRow> = store.read_rows(&manifest, &key("vehicle_0")).expect("reads");
@@ -45,10 +52,80 @@ fn a_store_of_the_first_format_is_read() {
     assert_eq!(checked.in_hand.len(), 3, "{:?}", checked.in_hand);
 }
 
+schema::columns! {
+    /// Whose rows they are.
+    Numbered of GnssRow { scene: u32, frame: u32 }
+}
+
+#[test]
+fn tables_of_a_scene_name_it_since_format_2() {
+    let columns = |version| {
+        let store = fixture(version);
+        let manifest = store.manifest(SCOPE, STAGE).expect("reads").expect("is there");
+        let columns = store.table_columns(&manifest, &key("vehicle_0")).expect("reads");
+        (store, manifest, columns)
+    };
+    let ((.., old), (store, manifest, new)) = (columns(1), columns(2));
+    assert_eq!((old[0].as_str(), new[0].as_str()), ("frame", "scene"));
+    assert_eq!(new[1..], old);
+    let rows: Vec<Numbered> = store.read_rows(&manifest, &key("vehicle_0")).expect("reads");
+    let frames: Vec<(u32, u32)> = gnss(5).iter().map(|row| (7, row.frame)).collect();
+    assert_eq!(rows.iter().map(|row| (row.scene, row.frame)).collect::<Vec<_>>(), frames);
+    // What lies in no scene's folder is of none.
+    let bench = Bench::in_memory();
+    let attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let mut unit = attempt.unit("all").expect("asks").expect("is new");
+    unit.rows("plan/fixes.parquet", &gnss(1)).expect("writes");
+    unit.finish().expect("finishes");
+    let manifest = attempt.commit().expect("commits");
+    assert_eq!(bench.store.table_columns(&manifest, "plan/fixes.parquet").expect("reads"), old);
+}
+
+/// Rows as a table of format 1 has them: `change` gives a column of today as it was, or none where it was not
+/// there.
+fn read_as_of_format_1<R: Row>(rows: &[R], change: impl Fn(&str, Column) -> Option<Column>) -> Vec<R> {
+    let bench = Bench::in_memory();
+    let attempt = Attempt::start(&bench.store, identity("c"), false).expect("starts");
+    let mut unit = attempt.unit("all").expect("asks").expect("is new");
+    let columns = R::fields().into_iter().zip(R::to_columns(rows));
+    let columns = columns.filter_map(|(field, column)| Some((field.name, change(field.name, column)?)));
+    unit.columns("old.parquet", columns.collect()).expect("writes");
+    unit.finish().expect("finishes");
+    let manifest = attempt.commit().expect("commits");
+    bench.store.read_rows(&manifest, "old.parquet").expect("reads")
+}
+
+#[test]
+fn tables_of_format_1_keep_their_meaning() {
+    let facts = Attributes::new().with(Attribute::Speed, 1.25).with(Attribute::UseWheelchair, false);
+    let one = |id, angle_rad: Option<f64>| BoxRow {
+        id,
+        angle_rad,
+        is_ego: angle_rad.is_none(),
+        attributes: facts.clone(),
+        ..BoxRow::default()
+    };
+    let boxes = [one(1, None), one(2, Some(0.0)), one(3, Some(-2.0))];
+    let read = read_as_of_format_1(&boxes, |name, column| match name {
+        "is_ego" => None,
+        "attributes" => Some(Column::Str(vec![facts.to_string(); 3])),
+        _ => Some(column),
+    });
+    assert_eq!(read, boxes);
+    let weather = Weather { cloudiness: 12.0, dust_storm: 3.0, ..Weather::default() };
+    let scenes = [PlanSceneRow { initial_weather: weather, ..PlanSceneRow::default() }];
+    let read = read_as_of_format_1(&scenes, |name, column| match name {
+        "initial_weather" => Some(Column::FixedF64(14, weather.to_array().to_vec())),
+        "final_weather" => Some(Column::FixedF64(14, Weather::default().to_array().to_vec())),
+        _ => Some(column),
+    });
+    assert_eq!(read, scenes);
+}
+
 /// A unit that an older program finished is taken up, not done again.
 #[test]
 fn a_try_of_the_first_format_is_taken_up() {
-    let (old, bench) = (fixture(), Bench::in_memory());
+    let (old, bench) = (fixture(1), Bench::in_memory());
     for key in old.backend().keys("").expect("lists") {
         bench.put(&key, &old.read(&key).expect("reads").expect("is there"));
     }
@@ -71,8 +148,8 @@ fn a_store_of_another_format_is_refused(bench: &Bench) {
 }
 
 fn a_record_of_another_format_is_not_called_damaged(bench: &Bench) {
-    bench.put(&SCOPE.manifest(STAGE), br#"{"format_version": 2, "outputs": "a table instead"}"#);
-    assert!(matches!(bench.store.manifest(SCOPE, STAGE), Err(StoreError::Format { found: 2, .. })));
+    bench.put(&SCOPE.manifest(STAGE), br#"{"format_version": 3, "outputs": "a table instead"}"#);
+    assert!(matches!(bench.store.manifest(SCOPE, STAGE), Err(StoreError::Format { found: 3, .. })));
 }
 
 /// Writes a fixture of the present format.
