@@ -16,6 +16,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 REPO = pathlib.Path(__file__).resolve().parents[1]
@@ -85,32 +86,29 @@ def export(args, layout, *options, cameras=NO_CAMERAS, beams=64, seconds=4):
 
 
 def run_until(args, command, cwd, environment, wants=None):
-    """Runs a trainer until it has told `steps` losses and what it leaves is there; returns the losses."""
+    """Runs a trainer to its end, or until it has told `steps` losses and `wants` finds what it leaves; returns the losses."""
     say(f"in {cwd}: {shlex.join(map(str, command))}")
     environment = {**os.environ, "PYTHONUNBUFFERED": "1", **environment}
     process = subprocess.Popen(
         [str(word) for word in command], cwd=cwd, env=environment, text=True, bufsize=1, errors="replace",
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
     )  # fmt: skip
-    losses, tail, until = [], [], time.monotonic() + 60 * args.minutes
+    watch = threading.Timer(60 * args.minutes, os.killpg, (process.pid, signal.SIGTERM))
+    watch.start()
+    losses, tail = [], []
     with (args.work / "train.log").open("w") as log:
         # Progress bars end their lines by a carriage return, which is a line here, too.
         for line in process.stdout:
             log.write(line)
             tail = [*tail[-30:], line]
             losses += [float(found) for found in LOSS.findall(line)[:1]]
-            is_enough = len(losses) >= args.steps and (wants is None or wants())
-            if is_enough or time.monotonic() > until:
+            if wants and len(losses) >= args.steps and wants():
+                os.killpg(process.pid, signal.SIGTERM)
                 break
-    if process.poll() is None:
-        # Who is about to end by itself writes what it found before.
-        try:
-            process.wait(timeout=0 if wants else 60 * args.minutes)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGTERM)
-            process.wait()
-    if len(losses) < args.steps:
-        sys.exit(f"{''.join(tail)}\nonly {len(losses)} losses of {args.steps} steps were told, code {process.returncode}")
+    code = process.wait()
+    watch.cancel()
+    if len(losses) < args.steps or (code and not wants):
+        sys.exit(f"{''.join(tail)}\nthe trainer ended with {code} and told {len(losses)} losses of {args.steps} steps")
     return losses[: args.steps]
 
 

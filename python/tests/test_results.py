@@ -122,7 +122,10 @@ class ByHand(unittest.TestCase):
 
     def test_faults_say_where(self):
         found = results.Predictions(stub(np.eye(4)))
-        for classes, scores, told in ((["tank"], [1], "no classes"), (["car"], [1, 2], "1 classes, 2 scores and 1 boxes")):
+        for classes, scores, told in (
+            (["tank"], [1], "no classes"),
+            (["car"], [1, 2], "1 classes, 2 scores and 1 boxes"),
+        ):
             with self.assertRaisesRegex(ValueError, told):
                 found.add(0, 0, "vehicle_0", classes, scores, [[0] * 7])
         found.add(0, 0, "vehicle_0", [], [], [])

@@ -112,7 +112,13 @@ class Predictions:
         self.add(scene, frame, ego.name, classes or ["car"] * len(boxes), scores, boxes, sensor=lidar)
 
     def add_kitti(
-        self, folder: str | os.PathLike[str], agent: str, *, camera: str = "CAM_FRONT", lidar: str = "LIDAR", every: int = 1
+        self,
+        folder: str | os.PathLike[str],
+        agent: str,
+        *,
+        camera: str = "CAM_FRONT",
+        lidar: str = "LIDAR",
+        every: int = 1,
     ) -> Counter[str]:
         """A folder of results in KITTI's form, NNNNNN.txt of lines with a score at the end, of an agent of an export; camera, lidar
         and every are those that the export was made with. Returns how many boxes of classes were left out that a store has not."""
@@ -126,7 +132,11 @@ class Predictions:
             rates = [first.sensor(f"RGB-{camera}").every_n_frames, first.sensor(lidar).every_n_frames]
             step = math.lcm(every, *rates, self.dataset.scene(scene).label_every_n_frames)
             ego = self._agent(scene, position * step, agent)
-            found = [_kitti_line(path, number, line) for number, line in enumerate(path.read_text().splitlines(), 1) if line.strip()]
+            found = [
+                _kitti_line(path, number, line)
+                for number, line in enumerate(path.read_text().splitlines(), 1)
+                if line.strip()
+            ]
             skipped.update(name for name, _ in found if name in _KITTI_OTHERS)
             found = [(name, numbers) for name, numbers in found if name not in _KITTI_OTHERS]
             numbers = np.array([numbers for _, numbers in found], dtype=np.float64).reshape(-1, 15)
@@ -158,7 +168,12 @@ class Predictions:
         velocities: Array | None,
     ) -> None:
         middles, turns, sizes = places
-        sample: dict[str, Any] = {"scene": ego.frame.scene.number, "frame": ego.frame.number, "agent": ego.name, "mode": self.mode}
+        sample: dict[str, Any] = {
+            "scene": ego.frame.scene.number,
+            "frame": ego.frame.number,
+            "agent": ego.name,
+            "mode": self.mode,
+        }
         if not len(classes) == len(scores) == len(middles):
             raise ValueError(f"{len(classes)} classes, {len(scores)} scores and {len(middles)} boxes of {sample}")
         if unknown := set(classes) - {*CLASSES, "trailer", "construction_vehicle"}:
@@ -206,7 +221,9 @@ def _kitti_line(path: pathlib.Path, number: int, line: str) -> tuple[str, list[f
     except ValueError as fault:
         raise ValueError(f"{path}, line {number}: {fault}") from fault
     if len(numbers) != 15:
-        raise ValueError(f"{path}, line {number}: {len(numbers)} numbers after the name, results have 15 (the last is the score)")
+        raise ValueError(
+            f"{path}, line {number}: {len(numbers)} numbers after the name, results have 15 (the last is the score)"
+        )
     return name, numbers
 
 
