@@ -96,7 +96,7 @@ def run_until(args, command, cwd, environment, wants=None):
     watch = threading.Timer(60 * args.minutes, os.killpg, (process.pid, signal.SIGTERM))
     watch.start()
     losses, tail = [], []
-    with (args.work / "train.log").open("w") as log:
+    with (args.work / "train.log").open("w", buffering=1) as log:
         # Progress bars end their lines by a carriage return, which is a line here, too.
         for line in process.stdout:
             log.write(line)

@@ -1,5 +1,7 @@
 """Results of other people's trainers: boxes by hand, and a store's own boxes there and back."""
 
+import contextlib
+import io
 import json
 import math
 import random
@@ -166,9 +168,16 @@ class ThereAndBack(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, f"{position:06d}.txt").write_text("\n".join(lines))
             out = Path(folder, "predictions.parquet")
-            self.assertEqual(results.main(["kitti", f"{agent}={folder}", "--store", str(STORE), "--out", str(out)]), 0)
+            said = io.StringIO()
+            with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+                codes = [
+                    results.main(["kitti", which, "--store", str(STORE), "--out", str(out)])
+                    for which in (f"{agent}={folder}", folder)
+                ]
+            self.assertEqual(codes, [0, 1])
+            self.assertIn(f"{len(boxes)} boxes in 1 samples", said.getvalue())
+            self.assertIn("say AGENT=FOLDER", said.getvalue())
             found = pq.read_table(out).to_pylist()
-            self.assertEqual(results.main(["kitti", folder, "--store", str(STORE), "--out", str(out)]), 1)
         for box, row in zip(boxes, found, strict=True):
             self.assertEqual((row["frame"], row["agent"], row["mode"]), (frame, agent, "none"))
             np.testing.assert_allclose(row["center_m"], box["center_m"], atol=1e-6)
