@@ -39,9 +39,15 @@ clustered_spawn_distance_m = 120
 min_duration_s = {seconds}
 max_duration_s = {seconds}
 [traffic]
-vehicles = 30
+vehicles = 45
 [walkers]
 count = 15
+[weather.initial]
+precipitation = 0
+fog_density = 0
+[weather.final]
+precipitation = 0
+fog_density = 0
 [world]
 radius_m = 150
 [annotation]
@@ -212,7 +218,7 @@ def mmdet3d(args):
     store, dest = export(args, "nuscenes", "--infos", "mmdet3d", "--agents", "vehicle_*", "--sample-every", "4", beams=32)
     results, config = args.work / "results", args.work / "small.py"
     environment = {
-        "CONVOY_EXPORT": str(dest), "CONVOY_RESULTS": str(results), "CONVOY_REACH_M": "38.4", "CONVOY_CELL_M": "0.4",
+        "CONVOY_EXPORT": str(dest), "CONVOY_RESULTS": str(results), "CONVOY_REACH_M": "25.6", "CONVOY_CELL_M": "0.4",
     }  # fmt: skip
     base = REPO / f"configs/trainers/mmdet3d/{args.hypes or 'centerpoint'}.py"
     infos = "infos/mmdet3d_train.pkl"
@@ -221,7 +227,7 @@ def mmdet3d(args):
     expect_fall(run_until(args, command, args.work, environment))
     found = make(
         [args.programs / "convoy", "evaluate", "--store", store, "--nuscenes", dest, "--metrics", "nuscenes",
-         "--predictions", results / "pred_instances_3d/results_nusc.json", "--range-m=-38.4,-38.4,38.4,38.4"],
+         "--predictions", results / "pred_instances_3d/results_nusc.json", "--range-m=-25.6,-25.6,25.6,25.6"],
         capture_output=True, text=True,
     ).stdout  # fmt: skip
     print(found)

@@ -123,6 +123,8 @@ class ByHand(unittest.TestCase):
         self.assertEqual((nothing["frame"], nothing["class"], nothing["score"]), (24, None, None))
 
     def test_faults_say_where(self):
+        with self.assertRaisesRegex(ValueError, "no mode late: there are none, "):
+            results.Predictions(stub(np.eye(4)), mode="late")
         found = results.Predictions(stub(np.eye(4)))
         for classes, scores, told in (
             (["tank"], [1], "no classes"),

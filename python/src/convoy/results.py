@@ -20,6 +20,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from convoy.boxes import CLASSES
+from convoy.cooperation import MODES
 from convoy.dataset import Dataset
 from convoy.errors import StoreError
 from convoy.frame import Agent
@@ -54,10 +55,12 @@ _ROWS = pa.schema(
 
 
 class Predictions:
-    """Boxes that a model found, frame by frame, put into the world."""
+    """Boxes that a model found, frame by frame, put into the world; mode says with whom it worked together (`MODES`)."""
 
     def __init__(self, store: Dataset | str | os.PathLike[str], *, mode: str = "none") -> None:
         self.dataset = Dataset(store) if isinstance(store, str | os.PathLike) else store
+        if mode not in MODES:
+            raise ValueError(f"there is no mode {mode}: there are {', '.join(MODES)}")
         self.mode = mode
         self.rows: list[dict[str, Any]] = []
         self._samples: set[tuple[int, int, str]] = set()
@@ -202,8 +205,9 @@ class Predictions:
 def _upright(corners: Array) -> list[float]:
     """x, y, z of the middle, length, width, height, yaw of the eight corners of an upright box."""
     middle = corners.mean(axis=0)
-    height = np.ptp(corners[:, 2])
-    below = corners[np.argsort(corners[:, 2])[:4], :2]
+    order = np.argsort(corners[:, 2])
+    height = corners[order[4:], 2].mean() - corners[order[:4], 2].mean()
+    below = corners[order[:4], :2]
     # From a corner the other three are at the end of the short side, of the long side and of the diagonal.
     sides = below[1:] - below[0]
     short, long = sides[np.argsort(np.linalg.norm(sides, axis=1))[:2]]
@@ -248,7 +252,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     kitti.add_argument("agents", nargs="+", metavar="AGENT=FOLDER", help="whose results, and where they are")
     kitti.add_argument("--store", required=True, help="folder or URL of the data set")
     kitti.add_argument("--out", required=True, metavar="FILE", help="the predictions, .parquet")
-    kitti.add_argument("--mode", default="none", help="the model's name in the scores (none)")
+    kitti.add_argument("--mode", default="none", choices=MODES, help="with whom the model worked together (none)")
     kitti.add_argument("--camera", default="CAM_FRONT", help="the export's --camera")
     kitti.add_argument("--lidar", default="LIDAR", help="the export's --lidar")
     kitti.add_argument("--every", type=int, default=1, help="the export's --every")
