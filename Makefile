@@ -51,7 +51,7 @@ SCENE_ARG   = $(if $(SCENE),--scene $(SCENE))
 AGENT_ARG   = $(if $(AGENT),--agent $(AGENT))
 COMMON      = --config $(CONFIG) --store $(STORE)
 
-.PHONY: docs-site dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels scale bench-stores test-slurm test-stores test-ray test-kubernetes faults gpus gpu-kit release release-check docs help help-all
+.PHONY: docs-site dataset forecast stage scene-video viz preview film stats status verify check view evaluate benchmark export import devkit check-devkit train-check town towns town-pictures check-towns traffic-report gallery build test accept-bytes soak lint bench bench-kernels scale bench-stores test-slurm test-stores test-ray test-kubernetes faults gpus gpu-kit release release-check docs help help-all
 
 # What people use, and all there is.
 help:
@@ -80,6 +80,7 @@ help-all:
 	@echo "make evaluate PREDICTIONS=file.parquet [MASKS=folder] [STORE=dataset] [SCENES=] [SPLIT=] [EVERY=10] [OUT=scores.parquet] (docs/evaluation.md)"
 	@echo "make benchmark [DEST=benchmark] [TORCH=cpu|cuda] [JOBS=n]  (data, cooperative models, scores, docs/benchmark.md: docs/python.md)"
 	@echo "make check-devkit [STORE=dataset] [SCENES=0,1] [DEST=pictures]    (nuscenes-devkit on an export of it)"
+	@echo "make train-check TRAINER=opencood|heal|v2x-real|mmdet3d|openpcdet [CHECKOUT=folder] [STEPS=200] [HYPES=file] [PYTHON=python3] (docs/trainers.md)"
 	@echo "make view [STORE=dataset] [PORT=n]  (plays the scenes of a store in the browser)"
 	@echo "make town NAME=convoy/demo [SEED=7] [DEST=folder]       (a road network of our own, with its picture)"
 	@echo "make towns DEST=folder                                  (all of them)"
@@ -168,6 +169,13 @@ check-devkit: build devkit
 		{ $(PYTHON) tests/exports/nuscenes.py $(STORE) $$folder/export || test $$? -eq 77; } && \
 		{ $(DEVKIT)/bin/python3 tests/exports/nuscenes_devkit.py $$folder/export $(or $(DEST),$$folder/pictures) || test $$? -eq 77; }; \
 		code=$$?; rm -rf $$folder; exit $$code
+
+# A checkout of somebody else's trainer for some steps on a small export (docs/trainers.md): make train-check TRAINER=opencood
+# CHECKOUT=/src/OpenCOOD [STEPS=200] [HYPES=its file] [PYTHON=its Python]. Without the checkout or the packages it says so and skips.
+train-check: build
+	@test -n "$(TRAINER)" || { echo "say which: make train-check TRAINER=opencood|heal|v2x-real|mmdet3d|openpcdet [CHECKOUT=folder]"; exit 2; }
+	$(PYTHON) tests/train_check.py $(TRAINER) $(BIN) $(if $(CHECKOUT),--checkout $(CHECKOUT)) --steps $(or $(STEPS),200) \
+		$(if $(HYPES),--hypes $(HYPES)) $(ARGS) || test $$? -eq 77
 
 # One of our towns as OpenDRIVE, with a picture.
 town: build

@@ -6,7 +6,9 @@ Usage: python3 infos.py EXPORT
 import json
 import pathlib
 import pickle
+import re
 import sys
+import types
 
 import numpy as np
 
@@ -30,7 +32,77 @@ def tables(folder):
     return {name: read(name) for name in ("sample", "sample_data", "calibrated_sensor", "ego_pose", "sample_annotation")}
 
 
+CONFIGS = pathlib.Path(__file__).resolve().parents[2] / "configs/trainers/mmdet3d"
+
+
+def configuration(name, **variables):
+    """What a configuration of ours says by itself, with variables of the environment put in as mmengine does."""
+    text = (CONFIGS / f"{name}.py").read_text()
+    text = re.sub(r"\{\{\$(\w+):(.*?)\}\}", lambda found: str(variables.get(found[1], found[2])), text)
+    said = {}
+    exec(compile(text, name, "exec"), said)
+    return types.SimpleNamespace(**said)
+
+
+def check_configurations():
+    """Configurations of ours: their classes, the files that they name, grids that fit the strides of their models."""
+    for variables in ({}, {"CONVOY_REACH_M": 25.6, "CONVOY_CELL_M": 0.4, "CONVOY_EXPORT": "/data", "CONVOY_SWEEPS": 9}):
+        data = configuration("data", **variables)
+        assert set(data.class_names) | {"construction_vehicle"} == set(CLASSES) and len(data.class_names) == 9
+        assert data.train_dataloader["dataset"]["ann_file"] == "infos/mmdet3d_train.pkl"
+        assert data.val_evaluator["ann_file"] == data.data_root + data.val_dataloader["dataset"]["ann_file"]
+        assert data.data_root == f"{variables.get('CONVOY_EXPORT', 'export')}/"
+        for loader in (data.train_dataloader, data.val_dataloader):
+            kinds = {step["type"]: step for step in loader["dataset"]["pipeline"]}
+            assert kinds["LoadPointsFromFile"]["load_dim"] == 5, "a point is x, y, z, intensity, ring"
+            assert kinds["LoadPointsFromMultiSweeps"]["sweeps_num"] == variables.get("CONVOY_SWEEPS", 0)
+            assert kinds["PointsRangeFilter"]["point_cloud_range"] == data.point_cloud_range
+        for name in ("centerpoint", "pointpillars"):
+            ours = configuration(name, **variables)
+            model = ours.model
+            assert ours.point_cloud_range == data.point_cloud_range
+            low, high = np.array(ours.point_cloud_range).reshape(2, 3)
+            cells = (high - low) / ours.voxel_size
+            assert np.allclose(cells, np.round(cells)) and np.round(cells[2]) == 1, "pillars"
+            shape = [round(count) for count in cells[:2]]
+            assert list(model["pts_middle_encoder"]["output_shape"]) == shape and all(count % 8 == 0 for count in shape)
+            for part in (model["data_preprocessor"]["voxel_layer"], model["pts_voxel_encoder"]):
+                assert part["point_cloud_range"] == ours.point_cloud_range and part["voxel_size"] == ours.voxel_size
+            head = model["pts_bbox_head"]
+            if name == "centerpoint":
+                # The n-th label is the n-th class of all tasks one after another.
+                assert [found for task in head["tasks"] for found in task["class_names"]] == data.class_names
+                assert all(task["num_class"] == len(task["class_names"]) for task in head["tasks"])
+                assert model["train_cfg"]["pts"]["grid_size"] == [*shape, 1]
+                for coder in (head["bbox_coder"], model["test_cfg"]["pts"]):
+                    assert coder["pc_range"] == ours.point_cloud_range[:2] and coder["voxel_size"] == ours.voxel_size[:2]
+            else:
+                assert head["num_classes"] == len(data.class_names)
+                x0, y0, _, x1, y1, _ = head["anchor_generator"]["ranges"][0]
+                assert [x0, y0, x1, y1] == [*low[:2], *high[:2]], "anchors are where the grid is"
+    # Any other configuration: datasets and metrics at any depth, without what an export has not.
+    sys.modules["mmengine"] = types.SimpleNamespace(Config=None)
+    said = {}
+    exec(compile((CONFIGS / "adapt.py").read_text(), "adapt", "exec"), said)
+    inner = {"type": "NuScenesDataset", "data_root": "data/", "ann_file": "x", "pipeline": [{"type": "A", "db_sampler": {}}, {"type": "B"}]}
+    stock = {
+        "train_dataloader": {"dataset": {"type": "CBGSDataset", "dataset": inner}},
+        "val_dataloader": {"dataset": inner},
+        "val_evaluator": [{"type": "NuScenesMetric", "data_root": "data/", "ann_file": "y"}],
+        "lr": 0.1,
+    }
+    made = said["adapted"](stock, "/e", "val", "results")
+    train, val = (made[f"{split}_dataloader"]["dataset"] for split in ("train", "val"))
+    assert train == {**inner, "data_root": "/e/", "ann_file": "infos/mmdet3d_train.pkl", "pipeline": [{"type": "B"}]}
+    assert val["ann_file"] == "infos/mmdet3d_val.pkl" and made["lr"] == 0.1
+    assert made["val_evaluator"][0] == {
+        "type": "NuScenesMetric", "data_root": "/e/", "ann_file": "/e/infos/mmdet3d_val.pkl", "format_only": True,
+        "jsonfile_prefix": "results",
+    }  # fmt: skip
+
+
 def main():
+    check_configurations()
     root = pathlib.Path(sys.argv[1])
     all_tables = {}
     for folder in root.glob("*/sample.json"):

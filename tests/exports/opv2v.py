@@ -475,9 +475,24 @@ def check_hypes(export, variant):
     """Our values stand wherever a trainer's file says such a thing."""
     with tempfile.TemporaryDirectory() as folder:
         stock, ours = pathlib.Path(folder, "stock.yaml"), pathlib.Path(folder, "ours.yaml")
-        stock.write_text(STOCK)
-        subprocess.run([sys.executable, export / "hypes/adapt_hypes.py", stock, ours], check=True)
+
+        def adapt(text, *args):
+            stock.write_text(text)
+            command = [sys.executable, export / "hypes/adapt_hypes.py", stock, ours, *args]
+            return subprocess.run(command, capture_output=True, text=True, check=False)
+
+        # Cells that the strides of a model no longer fit, and keys that are not there, are refused.
+        for text, args, told in (
+            (STOCK.replace("[0.4, 0.4, 4]", "[0.5, 0.5, 4]"), [], "307.2 cells along y, where 160 were"),
+            (STOCK, ["--set", "train_params.batchsize=1"], "no such key"),
+        ):
+            refused = adapt(text, *args)
+            assert refused.returncode == 1 and told in refused.stderr and not ours.exists(), refused
+        done = adapt(STOCK, "--set", "train_params.batch_size=1")
+        assert done.returncode == 0, done.stderr
+        assert "train_params.batch_size: 2 -> 1\n" in done.stdout and "has no validate_dir" in done.stderr, done
         made = yaml.safe_load(ours.read_text())
+    assert made["train_params"]["batch_size"] == 1
     z = [-3, 5] if variant == "OPV2V" else [-3, 1]
     expected = [-140.8, -76.8, z[0], 140.8, 76.8, z[1]]
     assert made["root_dir"] == str(export.resolve() / variant / "train")

@@ -24,6 +24,21 @@ def rotation(quaternion: npt.ArrayLike) -> Array:
     )
 
 
+def quaternion(turn: Array) -> Array:
+    """Unit quaternion w, x, y, z of a 3 x 3 matrix: the eigenvector of the largest eigenvalue of Bar-Itzhack's matrix."""
+    (a, b, c), (d, e, f), (g, h, i) = turn
+    symmetric = np.array(
+        [
+            [a - e - i, d + b, g + c, h - f],
+            [d + b, e - a - i, h + f, c - g],
+            [g + c, h + f, i - a - e, d - b],
+            [h - f, c - g, d - b, a + e + i],
+        ]
+    )
+    vectors: Array = np.linalg.eigh(symmetric)[1]
+    return np.roll(vectors[:, -1], 1)
+
+
 def rotation_from_rpy(rpy_rad: npt.ArrayLike) -> Array:
     """Rz(yaw) Ry(pitch) Rx(roll) of angles (..., 3) in rad: matrices (..., 3, 3)."""
     angles = np.asarray(rpy_rad, dtype=np.float64)

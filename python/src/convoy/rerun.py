@@ -12,7 +12,7 @@ from convoy.boxes import Boxes
 from convoy.dataset import Dataset, Scene
 from convoy.errors import StoreError
 from convoy.frame import Agent
-from convoy.poses import Array
+from convoy.poses import Array, quaternion
 
 _COLOURS = {
     "divider": (230, 230, 230),
@@ -110,7 +110,7 @@ def _boxes(rr: Any, boxes: Boxes, origin: Array) -> Any:
     return rr.Boxes3D(
         centers=boxes.center - origin,
         half_sizes=boxes.size / 2,
-        quaternions=[_quaternion(turn) for turn in boxes.rotation],
+        quaternions=[np.roll(quaternion(turn), -1) for turn in boxes.rotation],
         labels=[f"{name} {number}" for name, number in zip(boxes.class_name, boxes.id, strict=True)],
         class_ids=boxes.label,
         show_labels=False,
@@ -119,21 +119,6 @@ def _boxes(rr: Any, boxes: Boxes, origin: Array) -> Any:
 
 def _pose(rr: Any, matrix: Array) -> Any:
     return rr.Transform3D(translation=matrix[:3, 3], mat3x3=matrix[:3, :3])
-
-
-def _quaternion(turn: Array) -> Array:
-    """x, y, z, w: the eigenvector of the largest eigenvalue of Bar-Itzhack's matrix."""
-    (a, b, c), (d, e, f), (g, h, i) = turn
-    symmetric = np.array(
-        [
-            [a - e - i, d + b, g + c, h - f],
-            [d + b, e - a - i, h + f, c - g],
-            [g + c, h + f, i - a - e, d - b],
-            [h - f, c - g, d - b, a + e + i],
-        ]
-    )
-    vectors: Array = np.linalg.eigh(symmetric)[1]
-    return vectors[:, -1]
 
 
 def _by_height(z: Array) -> Array:
