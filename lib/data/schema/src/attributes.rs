@@ -71,6 +71,7 @@ macro_rules! keys {
                 }
             }
 
+            #[cfg(test)]
             fn from_key(key: &str) -> Self {
                 match key {
                     $( $key => Self::$variant, )+
