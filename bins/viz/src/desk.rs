@@ -5,7 +5,13 @@ use pictures::{BoxShape, Canvas, ColourBy};
 use crate::feed::{AgentFrame, Rig};
 use crate::session::Session;
 
+/// Least height of text that is read without effort, and least width of a picture that has room for it,
+/// pixels.
+const TEXT_PX: f64 = 8.0;
+const ROOM_PX: f64 = 240.0;
+
 /// What pictures are drawn from.
+#[derive(Clone, Copy)]
 pub(crate) struct Desk<'a> {
     pub(crate) session: &'a Session,
     pub(crate) frame: u32,
@@ -21,12 +27,14 @@ pub(crate) struct Desk<'a> {
 impl Desk<'_> {
     /// Height of the text on a picture, pixels.
     pub(crate) fn text_px(&self, canvas: &Canvas) -> f64 {
-        self.text * f64::from(canvas.size()[0])
+        let width = f64::from(canvas.size()[0]);
+        let text_px = self.text * width;
+        if width < ROOM_PX { text_px } else { text_px.max(TEXT_PX) }
     }
 
     /// Width of the thinnest lines of boxes on a picture, pixels.
     pub(crate) fn line_px(&self, canvas: &Canvas) -> f64 {
-        (0.09 * self.text_px(canvas)).max(0.5)
+        (0.09 * self.text * f64::from(canvas.size()[0])).max(0.5)
     }
 }
 

@@ -76,12 +76,12 @@ fn wants(session: &Session, agent: AgentId, boxes: ShownBoxes) -> Result<Vec<(Ag
 
 fn sheet_of(desk: &Desk<'_>, agent: AgentId, modes: &[Mode], width: u32) -> Result<Canvas, VizError> {
     let which = desk.agents.iter().position(|a| a.agent == agent).unwrap_or_default();
-    let panel = |mode: &Mode, name: &str| -> Result<Option<Panel>, VizError> {
+    let panel = |desk: &Desk<'_>, mode: &Mode, name: &str| -> Result<Option<Panel>, VizError> {
         Ok(desk.draw(mode, which)?.map(|picture| Panel { name: name.to_owned(), picture }))
     };
     let mut cameras = Vec::new();
     for mode in modes.iter().filter(|mode| mode.is_photograph()) {
-        cameras.extend(panel(mode, &mode.name())?);
+        cameras.extend(panel(desk, mode, &mode.name())?);
     }
     cameras.sort_by_key(|panel| camera_order(&panel.name));
     let mut rows: Vec<Vec<Panel>> = Vec::new();
@@ -90,10 +90,10 @@ fn sheet_of(desk: &Desk<'_>, agent: AgentId, modes: &[Mode], width: u32) -> Resu
         rows.push(std::mem::replace(&mut cameras, rest));
     }
     let named = |name: &str| modes.iter().find(|mode| mode.name() == name);
-    let mut add = |wanted: &[(&Mode, &str)]| -> Result<(), VizError> {
+    let mut add = |desk: &Desk<'_>, wanted: &[(&Mode, &str)]| -> Result<(), VizError> {
         let mut row = Vec::new();
         for (mode, name) in wanted {
-            row.extend(panel(mode, name)?);
+            row.extend(panel(desk, mode, name)?);
         }
         if !row.is_empty() {
             rows.push(row);
@@ -105,13 +105,15 @@ fn sheet_of(desk: &Desk<'_>, agent: AgentId, modes: &[Mode], width: u32) -> Resu
         named("BEV").map(|m| (m, "BEV masks, ahead is up")),
         Some((&Mode::Scene, "All agents, lidar points by agent, boxes by class, north is up")),
     ];
-    add(&from_above.into_iter().flatten().collect::<Vec<_>>())?;
+    add(desk, &from_above.into_iter().flatten().collect::<Vec<_>>())?;
     let voxels = modes.iter().find(|mode| matches!(mode, Mode::Voxels { reach: Reach::Near, .. }));
     let from_behind = [
         named("LIDAR3DwBBOX-NEAR").map(|m| (m, "Lidar with boxes, from behind")),
         voxels.map(|m| (m, "Voxels, from behind")),
     ];
-    add(&from_behind.into_iter().flatten().collect::<Vec<_>>())?;
+    // Two in a row are larger than three.
+    let wider = Desk { text: TEXT * 2.0 / 3.0, ..*desk };
+    add(&wider, &from_behind.into_iter().flatten().collect::<Vec<_>>())?;
     let sheet = Sheet { rows, legend: legend(desk), ..caption(desk, which)? };
     draw_sheet(&sheet, width).drawing(|| "the sheet".to_owned())
 }

@@ -11,7 +11,8 @@ use crate::picture::{Anchor, Colour, Item, Paint, Picture, Shape, Text};
 const UNITS: f64 = 10.0;
 
 impl Picture {
-    /// The picture as an SVG document, with its typeface in it: programs that pass over that take the reader's.
+    /// The picture as an SVG document, with its typeface in it: programs that pass over that take the
+    /// reader's.
     #[must_use]
     pub fn to_svg(&self) -> String {
         let [w, h] = [self.width_px, self.height_px];

@@ -39,7 +39,8 @@ pub(crate) struct Page<'a> {
 }
 
 impl Page<'_> {
-    /// Self-contained (well-formed as XML, too): nothing of it is loaded from elsewhere but pictures beside it.
+    /// Self-contained (well-formed as XML, too): nothing of it is loaded from elsewhere but pictures beside
+    /// it.
     pub(crate) fn html(&self) -> String {
         let Self { title, heading, contents, body } = self;
         // Scripts are text to browsers and markup to readers of XML: both pass over the other's comments.

@@ -36,8 +36,8 @@ fn rainbow(share: f64) -> Rgb {
 
 /// Depths that have colours of their own, metres.
 pub(crate) const DEPTHS_M: [f64; 2] = [1.0, 1000.0];
-/// Coefficients of the colour map viridis (Stéfan van der Walt and Nathaniel Smith, CC0) as polynomials by Matt
-/// Zucker (CC0), constants first: red, green, blue. They are within 2 % of its table.
+/// Coefficients of the colour map viridis (Stéfan van der Walt and Nathaniel Smith, CC0) as polynomials by
+/// Matt Zucker (CC0), constants first: red, green, blue. They are within 2 % of its table.
 const VIRIDIS: [[f64; 3]; 7] = [
     [0.277_727_327_2, 0.005_407_344_5, 0.334_099_805_3],
     [0.105_093_043_1, 1.404_613_529_8, 1.384_590_162_5],
@@ -61,8 +61,8 @@ pub fn depth_rgb(depth_m: f64) -> Rgb {
     viridis(1.0 - (math::ln(depth_m.max(1e-3)) - near) / (far - near))
 }
 
-/// Colours of the wheel of optical flow between its corners red, yellow, green, cyan, blue and magenta, by what
-/// eyes tell apart (Baker et al., "A database and evaluation methodology for optical flow", 2011).
+/// Corners of the wheel of optical flow, each with its steps to the next one: as many as eyes tell apart
+/// (Baker et al., "A database and evaluation methodology for optical flow", 2011).
 const WHEEL: [(u32, Rgb); 6] = [
     (15, [255, 0, 0]),
     (6, [255, 255, 0]),
@@ -221,7 +221,8 @@ mod tests {
 
     #[test]
     fn the_wheel_is_middleburys() {
-        // colorcode.cpp of the Middlebury evaluation: column k of 55 is at k / 54 of a turn from the right, clockwise.
+        // colorcode.cpp of the Middlebury evaluation: column k of 55 is at k / 54 of a turn from the right,
+        // clockwise.
         assert_eq!(flow_rgb([1.0, 0.0]), [255, 0, 0]);
         assert_eq!(flow_rgb([0.0, 1.0]), [255, 230, 0], "column 13.5 of 15 from red to yellow");
         assert_eq!(flow_rgb([-1.0, 0.0]), [0, 209, 255], "column 27: 2 of 11 from cyan to blue");

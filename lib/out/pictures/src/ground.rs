@@ -60,8 +60,8 @@ pub struct GroundLine {
 }
 
 /// Draws elements of a map from above, areas under lines; in other views nothing, since lines that reach the
-/// horizon hide what stands before them. `space_from_world` takes them to the space of the view; thin lines are
-/// `line_px` wide, however many metres a pixel is.
+/// horizon hide what stands before them. `space_from_world` takes them to the space of the view; thin lines
+/// are `line_px` wide, however many metres a pixel is.
 pub fn draw_ground(
     canvas: &mut Canvas,
     view: &View,

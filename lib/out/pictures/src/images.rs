@@ -10,8 +10,8 @@ const FARTHEST_M: f64 = 1000.0;
 /// Largest 24-bit number.
 const FULL: f64 = 16_777_215.0;
 
-/// Draws a depth image (24 bits a pixel, red lowest): yellow up to 1 m, dark violet from 1000 m, by logarithms
-/// between.
+/// Draws a depth image (24 bits a pixel, red lowest): yellow up to 1 m, dark violet from 1000 m, by
+/// logarithms between.
 ///
 /// # Errors
 /// There are not as many values as pixels.

@@ -1,4 +1,4 @@
-//! Marks on pictures from above: rings of range, a scale bar, the agent that looks, and what they are written on.
+//! Marks on pictures from above: rings of range, a scale bar, the agent that looks.
 
 use frames::math;
 use nalgebra::{Isometry3, Point3, Vector3};
