@@ -1,8 +1,8 @@
 //! What sensors' tables hold.
 
-use crate::ImageKind;
 use crate::table::Row;
 use crate::tables::{CameraRow, FlowRow, GnssRow, HalfFlowRow, ImuRow, LidarRow, RadarRow, SemanticLidarRow};
+use crate::{ImageKind, SCENE_COLUMN};
 
 /// What kind of readings a sensor's table holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -48,10 +48,14 @@ fn row_types() -> [(Vec<&'static str>, Holds); 8] {
 }
 
 impl SensorKind {
-    /// What a sensor's table holds, by its row type: its first columns, in order, are those of the type.
-    /// (Tables of lidars may have further ones.) `None`: no sensor's table.
+    /// What a sensor's table holds, by its row type: its first columns besides that of the scene, in order,
+    /// are those of the type. (Tables of lidars may have further ones.) `None`: no sensor's table.
     #[must_use]
     pub fn of_table(name: &str, columns: &[String]) -> Option<Self> {
+        let columns = match columns {
+            [first, own @ ..] if first == SCENE_COLUMN.name => own,
+            all => all,
+        };
         let is_of = |(of_type, _): &(Vec<&str>, Holds)| {
             columns.len() >= of_type.len() && of_type.iter().zip(columns).all(|(a, b)| a == b)
         };

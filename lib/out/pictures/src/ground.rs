@@ -114,7 +114,7 @@ mod tests {
         // 16 pixels a metre, x up: the line runs up the middle, three pixels wide, the square around it.
         assert_eq!(canvas.pixel([1280, 1280]), Some(GroundStyle::Edge.rgb()));
         assert_eq!(canvas.pixel([1280, 1280 - 300]), Some(GroundStyle::Edge.rgb()));
-        let wide = (1200..1360).filter(|x| canvas.pixel([*x, 900]) != Some([255; 3])).count();
+        let wide = (1200..1360).filter(|x| canvas.pixel([*x, 1000]) != Some([255; 3])).count();
         assert!((3..=4).contains(&wide), "{wide}");
         assert_eq!(canvas.pixel([1280 + 70, 1280 - 70]), Some(GroundStyle::Junction.rgb()));
         assert_eq!(canvas.pixel([1280 + 90, 1280]), Some([255; 3]));

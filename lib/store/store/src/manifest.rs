@@ -232,7 +232,8 @@ impl Store {
         self.parse(key, text)
     }
 
-    /// Refuses a document that names a format version that is not read. A damaged one is for its readers to name.
+    /// Refuses a document that names a format version that is not read. A damaged one is for its readers to
+    /// name.
     pub(crate) fn check_format(&self, key: &str, document: &[u8]) -> Result<(), StoreError> {
         match serde_json::from_slice(document) {
             Ok(Versioned { format_version: found }) if !schema::is_read(found) => {

@@ -69,7 +69,7 @@ impl Histogram {
             svg.text([x, base + 14.0], Anchor::Middle, FONT, label);
         }
         svg.text([left + 0.5 * plot_width, HEIGHT - 8.0], Anchor::Middle, 11.0, &self.x_label);
-        svg.text_up([10.0, TOP + 0.5 * plot_height], Anchor::Middle, 11.0, &self.y_label);
+        svg.text_up([12.0, TOP + 0.5 * plot_height], Anchor::Middle, 11.0, &self.y_label);
         svg.finish()
     }
 

@@ -83,7 +83,7 @@ fn lights_and_scenery_are_what_a_store_says_of_them() {
     ]);
     let sign = labelled(&sign, false).expect("a box");
     assert_eq!((sign.model.as_str(), sign.opendrive_id.as_deref()), ("sign.yield", Some("3")));
-    assert_eq!(sign.attributes.to_string(), r#"{"value":"5","sign_type":"yield"}"#);
+    assert_eq!(sign.attributes.to_string(), r#"{"sign_type":"yield","value":"5"}"#);
 }
 
 #[test]

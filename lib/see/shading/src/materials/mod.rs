@@ -6,6 +6,7 @@ mod dirt;
 mod facade;
 mod foliage;
 mod front;
+mod front_style;
 mod ground;
 mod gutter;
 mod laid;

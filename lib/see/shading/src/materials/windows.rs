@@ -5,7 +5,7 @@ use schema::ObjectId;
 use schema::geometry::Wall;
 use simd::{F32x8, lerp, smoothstep};
 
-use super::front::{Style, own};
+use super::front_style::{Style, own};
 use super::pattern::{Width, bars, bars_of};
 
 /// Height of the rails before windows that reach the floor, metres.
