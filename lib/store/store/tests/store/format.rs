@@ -38,9 +38,13 @@ fn is_read(version: u32) {
     assert_eq!(plan.sections["scene/0007"], "digest of scene 7");
     assert!(manifest.sections.is_empty());
     let text = store.read(&SCOPE.manifest(STAGE)).expect("reads").expect("is there");
-    assert!(!String::from_utf8_lossy(&text).contains("sections"));
-    // What depends on a manifest remembers its digest: it must come out as ever.
-    assert_eq!(manifest.digest(), store::hash_bytes(&text));
+    let text = String::from_utf8(text.to_vec()).expect("is a text");
+    assert!(!text.contains("sections"));
+    // What depends on a manifest remembers its digest: it must come out as ever, without the text's own
+    // checksum, which manifests end with since this fixture of format 1.
+    let unsealed = text.split(",\n  \"record_blake3\"").next().unwrap_or_default();
+    let unsealed = if unsealed == text { text.clone() } else { format!("{unsealed}\n}}\n") };
+    assert_eq!(manifest.digest(), store::hash_bytes(unsealed.as_bytes()));
 
     let redo: Redo = store.read_json(&STOPPED.redo(STAGE)).expect("reads").expect("is there");
     assert_eq!((redo.generation, redo.replaces), (3, vec!["scenes/0008/old.parquet".to_owned()]));
