@@ -133,7 +133,7 @@ fn say_what_lacks(plan: &PlanSceneRow, log: &SimulationLog) {
             let (scene, map) = (plan.scene, &plan.map);
             let radius_m = plan.spawn_radius_m;
             tracing::warn!(
-                "scene {scene} ({map}): {placed} of {wanted} {what}: no more room within {radius_m:.0} m of the vehicles' start"
+                "scene {scene} ({map}): {placed} of {wanted} {what} placed: within {radius_m:.0} m of the vehicles' start there is no more room"
             );
         }
     }

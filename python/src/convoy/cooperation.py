@@ -43,9 +43,11 @@ class Cooperative:
         return found
 
     def points(self, name: str = "LIDAR", columns: tuple[str, ...] = ("intensity",)) -> list[Array]:
-        """Sweeps of `agents`, all moved into the ego's frame: (P, 3 + columns) f32 each."""
+        """Sweeps of `agents`, all moved into the ego's frame: (P, 3 + columns) f32 each; none of a partner without this lidar."""
         return [
             agent._points(name, columns, ego_from_agent)
+            if agent is self.ego or name in agent.sensors
+            else np.empty((0, 3 + len(columns)), np.float32)
             for agent, ego_from_agent in zip(self.agents, self.ego_from_agent, strict=True)
         ]
 

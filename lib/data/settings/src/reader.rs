@@ -94,7 +94,11 @@ impl<'a> Context<'a> {
                 let near = seen.iter().map(|s| (strsim::levenshtein(s, name), s)).min();
                 let hint = match near {
                     Some((d, near)) if d <= 2.max(name.len() / 4) => format!(" (did you mean `{near}`?)"),
-                    _ => String::new(),
+                    _ => {
+                        let known: Vec<&str> = seen.iter().map(String::as_str).take(MOST_KEYS).collect();
+                        let more = if seen.len() > MOST_KEYS { ", ..." } else { "" };
+                        format!("; there are {}{more}", known.join(", "))
+                    }
                 };
                 let message = format!("unknown key `{}`{hint}", joined(path, name));
                 self.fault(document, Some(key.span()), message);
@@ -102,6 +106,9 @@ impl<'a> Context<'a> {
         }
     }
 }
+
+/// So many keys of a table are named beside an unknown one.
+const MOST_KEYS: usize = 16;
 
 fn joined(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }

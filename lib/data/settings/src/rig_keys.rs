@@ -9,6 +9,7 @@ use crate::camera::{CameraSettings, CameraSpec};
 use crate::inertial::{GnssSpec, ImuSpec};
 use crate::key::{Key, Name, Settings, settings};
 use crate::lidar::LidarSpec;
+use crate::mount::Mount;
 use crate::occupancy::OccupancySettings;
 use crate::optics::Optics;
 use crate::pictures::{Pictures, optics};
@@ -121,7 +122,9 @@ fn cameras(
     (d, shared): (&[CameraSpec], &Pictures),
     tables: &mut TableNames,
 ) -> Vec<CameraSpec> {
-    let first = CameraSpec { name: CameraSpec::default().name, ..d[0].clone() };
+    // One that does not say where it looks looks ahead, not where the first one of the default list does.
+    let mount = Mount::upright(d[0].mount.xyz_m, 0.0);
+    let first = CameraSpec { name: CameraSpec::default().name, mount, ..d[0].clone() };
     let read = |item: &Section<'_>| {
         let camera = CameraSpec::read(item, &first);
         CameraSpec { optics: optics(item, shared), ..camera }
@@ -198,7 +201,7 @@ fn radars(s: &Section<'_>, d: &[RadarSpec], tables: &mut TableNames) -> Vec<Rada
     let enabled = Key::new("enabled", "Write the radars.").yaml("use_radar").read(&shared, &true);
     let first = &d[0];
     let spec = RadarSpec::read(&shared, first);
-    let usual = RadarPlace { mount: first.mount, ..RadarPlace::default() };
+    let usual = RadarPlace { mount: Mount::upright(first.mount.xyz_m, 0.0), ..RadarPlace::default() };
     let read = |item: &Section<'_>| RadarPlace::read(item, &usual);
     let doc = "Radar positions; replaces the default list.";
     let sections = s.sections("radars", &names(d.iter().map(|r| &r.name)), doc);
