@@ -9,7 +9,9 @@ use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use arrow_array::{ArrayRef, FixedSizeListArray, Float64Array, RecordBatch, StringArray, StructArray};
+use arrow_array::{
+    Array, ArrayRef, FixedSizeListArray, Float64Array, RecordBatch, StringArray, StructArray,
+};
 use arrow_schema::{DataType, Field, Schema};
 use convoy_tests::{Bench, LEAN, Outcome, check_in_python, digests, program};
 use parquet::arrow::ArrowWriter;

@@ -4,7 +4,7 @@ use std::fs;
 
 use convoy_tests::{Bench, SMALL, workspace};
 use schema::scene_info::SceneInfo;
-use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanWeatherRow, Weather};
+use schema::tables::{ActorRow, FrameRow, PlanAgentRow, PlanWeatherRow};
 use schema::{ActorRole, AgentKind};
 use store::{Manifest, Scope, Store, keys};
 
