@@ -7,6 +7,7 @@ import shutil
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -100,6 +101,17 @@ class Reading(unittest.TestCase):
                 self.assertLess(abs(local.velocity[i] - speed).max(), 1e-6)
         merged = self.frame.boxes()
         self.assertEqual(len(merged), len(rows(SCENE / "tracks_frames.parquet", frame=FRAME)))
+
+    def test_partners_without_a_lidar_have_no_points_of_it(self):
+        heard = self.frame.cooperative("vehicle_0", "x2x", comm_range_m=1000, elevation_m=100)
+        sensors = dict(self.frame.scene._sensors)
+        sensors["rsu_0"] = tuple(name for name in sensors["rsu_0"] if name != "LIDAR")
+        with mock.patch.object(self.frame.scene, "_sensors", sensors):
+            ego, other, rsu = heard.points()
+        self.assertTrue(len(ego) and len(other))
+        self.assertEqual((rsu.shape, rsu.dtype), ((0, 4), np.float32))
+        with self.assertRaises(convoy.StoreError):
+            heard.points("LIDAR_9")
 
     def test_partners_points_fall_into_the_boxes_in_which_they_were_counted(self):
         heard = self.frame.cooperative("vehicle_0", "x2x", comm_range_m=1000, elevation_m=100)
