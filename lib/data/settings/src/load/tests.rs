@@ -372,7 +372,7 @@ fn weather_is_fixed_or_between_two_numbers_at_some_moments() {
     bad.toml:10: `weather.keyframes[0].fog_density` is at 0 s, as `weather.initial.fog_density` is: leave one of them out
     bad.toml:11: `weather.keyframes[1].at_s` is missing: when is it, in seconds?
     bad.toml:11: `weather.keyframes[1].at_s` is 0, not after the one before it (0)
-    bad.toml:15: unknown key `weather.keyframes[2].rain`
+    bad.toml:15: unknown key `weather.keyframes[2].rain`; there are at_s, cloudiness, dust_storm, fog_density, fog_distance_m, fog_falloff, mie_scattering_scale, precipitation, precipitation_deposits, rayleigh_scattering_scale, scattering_intensity, sun_altitude_deg, sun_azimuth_deg, wetness, wind_intensity
     bad.toml:17: `weather.keyframes[3].at_s` is 9, not after the one before it (9)
     ");
 }

@@ -79,7 +79,7 @@ fn settings_are_written_as_ever() {
     town03.toml: 735f3480 0fb9d819 82b5e6b3 af99136b 961b4abb 8331b841 5f2eeba9 eab30c91 dafa5808
     town04.toml: e797202e 4cc2e2d7 82b5e6b3 c0144bb8 961b4abb 8331b841 5f2eeba9 eab30c91 4fa69b5b
     town10.toml: 00239d85 d799cfcd 82b5e6b3 89f0cb48 961b4abb 8331b841 5f2eeba9 eab30c91 cccee083
-    every_key.toml: 0f5065d7 0011915a b4c47427 2f86cf5c ff64fdd9 5729b336 b14115f7 364d2be1 3ecc8f04
+    every_key.toml: 55fc6aec 0011915a b4c47427 546c9745 ff64fdd9 5729b336 51d851e6 364d2be1 76ad185d
     every_key.yaml: 9948aab7 6a6b2630 a31c28ce 931cb5c2 d92a2cd4 a9d6c410 8f7b9b9a eab30c91 c2f67f5c
     rigs/nuscenes.toml: 1ba223ab 5834cd7f a54aebcf c2b790a0 961b4abb ef24d922 5102b1d9 eab30c91 de8af1e7
     rigs/opv2v-rsu.toml: 9d106fc5 5834cd7f a54aebcf c875a191 961b4abb ef24d922 cd424764 eab30c91 a6a5fc24
