@@ -22,8 +22,13 @@ use schema::tables::{ActorRow, BoxRow, PlanSceneRow, TILE_STAGE, TrackFrameRow, 
 use schema::tile::TileIndex;
 use store::{Manifest, Scope, Store, keys};
 
-/// A column of today as tables of format 1 have it; none where they lack it.
-fn older(table: &str, name: &str, array: &ArrayRef) -> Option<ArrayRef> {
+/// A column of today as tables of format 1 have it; none where they lack it. `renamed`: digests of manifests, as
+/// they are and as they become.
+fn older(table: &str, name: &str, array: &ArrayRef, renamed: &BTreeMap<String, String>) -> Option<ArrayRef> {
+    if table.ends_with("log/tiles.parquet") && name == "digest" {
+        let digests = array.as_string::<i32>().iter().flatten();
+        return Some(Arc::new(StringArray::from_iter_values(digests.map(|digest| &renamed[digest]))));
+    }
     if name == "scene" && table.starts_with("scenes/") || name == "is_ego" {
         return None;
     }
@@ -64,7 +69,7 @@ fn numbers(weather: &StructArray) -> ArrayRef {
 }
 
 /// Rewrites a table as format 1 has it, row group by row group.
-fn rewrite(key: &str, path: &Path) {
+fn rewrite(key: &str, path: &Path, renamed: &BTreeMap<String, String>) {
     let open =
         || ParquetRecordBatchReaderBuilder::try_new(File::open(path).expect("opens")).expect("a table");
     let about = open();
@@ -75,7 +80,7 @@ fn rewrite(key: &str, path: &Path) {
         let schema = batch.schema();
         let columns = schema.fields().iter().zip(batch.columns());
         let columns = columns.filter_map(|(field, array)| {
-            let array = older(key, field.name(), array)?;
+            let array = older(key, field.name(), array, renamed)?;
             Some((Field::new(field.name(), array.data_type().clone(), field.is_nullable()), array))
         });
         let (fields, arrays): (Vec<_>, Vec<_>) = columns.unzip();
@@ -118,7 +123,7 @@ fn age(folder: &Path) {
         for output in &mut aged.outputs {
             let path = folder.join(&output.key);
             if output.key.ends_with(".parquet") {
-                rewrite(&output.key, &path);
+                rewrite(&output.key, &path, &renamed);
             } else if output.key == keys::DATASET {
                 let text = fs::read_to_string(&path).expect("reads");
                 fs::write(&path, text.replace("\"format_version\": 2", "\"format_version\": 1"))

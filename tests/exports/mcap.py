@@ -225,7 +225,7 @@ class Scene:
                     assert cloud.frame_id == f"{agent}/{name}" and len(points) == len(row["x"])
                     for column in points.dtype.names:
                         assert (points[column] == np.array(row[column], points.dtype[column])).all(), (name, column)
-                    assert set(columns) - {"frame", "time_s", "cos_angle"} == set(points.dtype.names)
+                    assert set(columns) - {"scene", "frame", "time_s", "cos_angle"} == set(points.dtype.names)
             elif "snr_db" in columns:
                 for row in table.to_pylist():
                     points = elements(self.topics[f"/{agent}/{name}"][row["frame"]])
