@@ -137,7 +137,7 @@ impl Windows {
         wide = lerp(wide, usual(self.usual.wide), far);
         high = lerp(high, usual(self.usual.high), far);
         low = lerp(low, usual(self.usual.low), far);
-        lift = lift * (1.0 - far);
+        lift *= 1.0 - far;
         let is_cut = lift.simd_gt(F32x8::ZERO)
             & (v.simd_lt(F32x8::splat(0.5)) | v.simd_gt(F32x8::splat(storeys - 0.5)));
         let is_none = is_cut | wide.simd_lt(F32x8::splat(0.02));
@@ -196,10 +196,10 @@ impl Opening {
         for k in 1..4 {
             // Where there are fewer panes their last bar is the frame itself.
             let at = self.left + self.wide * (F32x8::splat(k as f32) / self.panes).fast_min(F32x8::ONE);
-            pane = pane * (1.0 - bars(u - at + 0.5 * fu, fu, wu));
+            pane *= 1.0 - bars(u - at + 0.5 * fu, fu, wu);
         }
         if let Some(share) = transom {
-            pane = pane * (1.0 - bars(v - self.low - self.high * share + 0.5 * fv, fv, wv));
+            pane *= 1.0 - bars(v - self.low - self.high * share + 0.5 * fv, fv, wv);
         }
         pane
     }
