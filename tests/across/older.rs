@@ -22,8 +22,8 @@ use schema::tables::{ActorRow, BoxRow, PlanSceneRow, TILE_STAGE, TrackFrameRow, 
 use schema::tile::TileIndex;
 use store::{Manifest, Scope, Store, keys};
 
-/// A column of today as tables of format 1 have it; none where they lack it. `renamed`: digests of manifests, as
-/// they are and as they become.
+/// A column of today as tables of format 1 have it; none where they lack it. `renamed`: digests of
+/// manifests, as they are and as they become.
 fn older(table: &str, name: &str, array: &ArrayRef, renamed: &BTreeMap<String, String>) -> Option<ArrayRef> {
     if table.ends_with("log/tiles.parquet") && name == "digest" {
         let digests = array.as_string::<i32>().iter().flatten();
