@@ -62,7 +62,7 @@ export class Tools {
   }
 
   /** Records the 3-D view while it plays, until the button is pressed again, another view is chosen, or the scene ends. */
-  async toggleFilm() {
+  toggleFilm() {
     const { app, panels } = this
     const { view } = app
     if (view.film) return this.endFilm()
