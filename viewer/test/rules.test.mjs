@@ -4,11 +4,11 @@
 
 import assert from 'node:assert/strict'
 import test from 'node:test'
-import { spread } from '../src/data/decode.js'
 import { partnersOf, sightOf } from '../src/data/cooperation.js'
 import { ScenePredictions, resultsOf, tally } from '../src/data/predictions.js'
 import { flowArrows, half } from '../src/data/flow.js'
 import { sightings } from '../src/data/sightings.js'
+import { spread } from '../src/data/spread.js'
 import { filtered } from '../src/filters.js'
 import { pieces } from '../src/plots.js'
 import { shareFor } from '../src/view/detail.js'

@@ -4,6 +4,7 @@ import { idColor } from '../colors.js'
 import { flowArrows, half } from './flow.js'
 import { Npz } from './npz.js'
 import { ParquetFile, flat, offsets } from './parquet.js'
+import { spread } from './spread.js'
 import { voxelFaces } from './voxels.js'
 
 /** Footers and directories of files that were opened last. */
@@ -11,21 +12,6 @@ const OPEN_FILES = 64
 /** Tags of things that move or are put up one by one: instance masks show these. */
 const MASKED_TAGS = new Set([7, 8, 12, 13, 14, 15, 16, 18, 19, 30, 31])
 const DEPTH_SHOWN_M = 100
-
-const EVERY = 32
-
-/** Numbers from 0 to `count` - 1 in an order in which each part at the front is spread evenly over all of them. */
-export function spread(count) {
-  const order = new Uint32Array(count)
-  let next = 0
-  for (let turn = 0; turn < EVERY; turn++) {
-    // The five bits of a turn, the last one first: 0, 16, 8, 24, 4, ...
-    let first = 0
-    for (let bit = 0; bit < 5; bit++) first |= ((turn >> bit) & 1) << (4 - bit)
-    for (let i = first; i < count; i += EVERY) order[next++] = i
-  }
-  return order
-}
 
 export class Decoder {
   constructor(files) {
