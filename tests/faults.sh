@@ -77,7 +77,7 @@ kills_of() {
             setsid "$bin/convoy" run --config "$work/tiny.toml" --progress none --store "$store" >"$store.txt" 2>&1 &
             local pid=$!
             # From at once to late enough that some end by themselves.
-            sleep "$((RANDOM % 3)).$((RANDOM % 1000 + 1000))" &
+            sleep "$((RANDOM % 3)).$(printf %03d $((RANDOM % 1000)))" &
             wait -n $! $pid || true
             if kill -0 $pid 2>/dev/null; then
                 kill -KILL -- -$pid 2>/dev/null || true
