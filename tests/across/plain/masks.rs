@@ -31,22 +31,36 @@ struct Layer {
 /// Calls with each cell of a grid whose centre a triangle covers, or whose centre is near its outline: the
 /// cell, the height there, and whether it is near.
 fn cover(corners: &[Vector3<f64>; 3], size: usize, mut cell: impl FnMut(usize, f64, bool)) {
-    let span = |axis: usize| {
-        let values = corners.map(|p| p[axis]);
-        let low = values[0].min(values[1]).min(values[2]);
-        let high = values[0].max(values[1]).max(values[2]);
-        let last = ((high + 1.0).ceil().clamp(0.0, size as f64)) as usize;
+    let [a, b, c] = *corners;
+    let edges = [(a, b), (b, c), (c, a)];
+    // Cells whose centres may lie between two coordinates.
+    let cells = |low: f64, high: f64| {
+        let last = (high + 1.0).ceil().clamp(0.0, size as f64) as usize;
         ((low - 1.0).floor().max(0.0) as usize)..last
     };
-    let [a, b, c] = *corners;
+    // Columns that the triangle comes near to in a row: from its edges between the centres of the rows beside.
+    let columns = |row: usize| {
+        let (above, below) = (row as f64 - 0.5, row as f64 + 1.5);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (from, to) in edges {
+            let share = |y: f64| ((y - from.y) / (to.y - from.y)).clamp(0.0, 1.0);
+            let [first, last] = if from.y == to.y { [0.0, 1.0] } else { [share(above), share(below)] };
+            let ends = [first, last].map(|share| from + (to - from) * share);
+            if ends.iter().any(|end| end.y >= above - 1e-6 && end.y <= below + 1e-6) {
+                low = ends.iter().fold(low, |low, end| low.min(end.x));
+                high = ends.iter().fold(high, |high, end| high.max(end.x));
+            }
+        }
+        if low <= high { cells(low, high) } else { 0..0 }
+    };
     let normal = (b - a).cross(&(c - a));
     let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
-    for row in span(1) {
-        for column in span(0) {
+    for row in cells(a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y)) {
+        for column in columns(row) {
             let at = Point2::new(column as f64 + 0.5, row as f64 + 0.5);
             let mut sides = [false; 2];
             let mut nearest = f64::INFINITY;
-            for (from, to) in [(a, b), (b, c), (c, a)] {
+            for (from, to) in edges {
                 let (from, to) = (Point2::new(from.x, from.y), Point2::new(to.x, to.y));
                 let (along, away) = (to - from, at - from);
                 sides[usize::from(along.perp(&away) > 0.0)] = true;

@@ -23,6 +23,8 @@ use store::Store;
 const RANGE_M: f64 = 40.0;
 const VOXEL_M: f64 = 0.5;
 const UPPER_M: f64 = 7.0;
+/// The last of the twenty frames of a second; labels are made at it and the first alone.
+const LAST: u32 = 19;
 
 /// What roads have outside of towns, and inside.
 const MARKED: [BevClass; 3] = [BevClass::Road, BevClass::RoadLine, BevClass::Hazard];
@@ -34,8 +36,9 @@ fn config(map: &str) -> String {
         "name = \"plain\"\nseed = 5\n[scenes.train]\n\"{map}\" = 1\n[agents]\nmin_vehicles = 1\nmax_vehicles = 1\n\
          min_rsus = 1\nmax_rsus = 1\n[timing]\nwarmup_s = 2\nmin_duration_s = 1\nmax_duration_s = 1\n\
          [traffic]\nvehicles = 40\n[walkers]\ncount = 60\n[hazards]\nshare = 0.2\n\
-         [vehicle.occupancy]\nrange_m = {RANGE_M}\nvoxel_m = {VOXEL_M}\n\
-         [rsu.occupancy]\nrange_m = {RANGE_M}\nvoxel_m = {VOXEL_M}\n"
+         [bev]\nevery_n_frames = {LAST}\n\
+         [vehicle.occupancy]\nrange_m = {RANGE_M}\nvoxel_m = {VOXEL_M}\nevery_n_frames = {LAST}\n\
+         [rsu.occupancy]\nrange_m = {RANGE_M}\nvoxel_m = {VOXEL_M}\nevery_n_frames = {LAST}\n"
     )
 }
 
@@ -79,7 +82,7 @@ fn labels_are_those_of_the_triangles(map: &str, maps: Option<&Path>, classes: &[
         ..OccupancySettings::default()
     };
     for (position, &agent) in replay.log.agent_ids().iter().enumerate() {
-        for frame in [0, replay.log.frame_count() - 1] {
+        for frame in [0, LAST] {
             let place = format!("{map} {agent} frame {frame}");
             let pose = replay.log.world_from_agent(position, frame);
             let snapshot = replay.snapshot(frame, pose.xyz(), 210.0);

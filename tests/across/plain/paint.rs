@@ -35,7 +35,15 @@ pub(super) fn areas(
         let corners: Vec<Vector3<f64>> = polygon.iter().map(|&p| grid.of(p)).collect();
         let (lows, highs) = (corners.iter().map(|p| p.z), corners.iter().map(|p| p.z));
         let (low, high) = (lows.fold(f64::INFINITY, f64::min), highs.fold(f64::NEG_INFINITY, f64::max));
-        for (cell, &level) in level.iter().enumerate() {
+        // Cells about the area: towns have hundreds of crossings, most of them far away.
+        let about = |axis: usize| {
+            let values = || corners.iter().map(|p| p[axis]);
+            let (low, high) =
+                (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+            ((low - 1.0).max(0.0) as usize)..((high + 1.0).clamp(0.0, SIDE as f64) as usize)
+        };
+        for cell in about(1).flat_map(|row| about(0).map(move |column| row * SIDE + column)) {
+            let level = level[cell];
             let at = Point2::new((cell % SIDE) as f64 + 0.5, (cell / SIDE) as f64 + 0.5);
             let (mut inside, mut nearest) = (false, f64::INFINITY);
             for (k, b) in corners.iter().enumerate() {
