@@ -15,6 +15,7 @@ mod rules;
 mod scene;
 mod shares;
 mod space;
+mod standing;
 mod vector_map;
 
 use std::collections::BTreeMap;
@@ -32,9 +33,16 @@ use files::read_json;
 use ledger::Ledger;
 use rules::Rule;
 use scene::Scene;
+use standing::Standing;
 
-/// Exit codes: nothing wrong, something wrong, no such store or arguments.
-const CODES: [u8; 3] = [0, 1, 2];
+/// All is there, and nothing is wrong.
+const RIGHT: u8 = 0;
+/// Something is wrong.
+const WRONG: u8 = 1;
+/// No such store, or bad arguments.
+const USAGE: u8 = 2;
+/// Nothing is wrong in what is there, and that is not all.
+const UNFINISHED: u8 = 3;
 
 /// What to check.
 #[derive(Debug, Args)]
@@ -54,8 +62,9 @@ pub struct CheckArgs {
     threads: Option<usize>,
 }
 
-/// Checks the labels of a finished store against each other, from its files alone; exit code 1 when something
-/// is wrong.
+/// Checks the labels of a store against each other, from its files alone. Exit codes: 0 all is there and
+/// nothing is wrong, 1 something is wrong, 2 no such store or bad arguments, 3 nothing is wrong in what is
+/// there, but the store is unfinished.
 #[derive(Debug, Parser)]
 #[command(name = "check", version)]
 struct Program {
@@ -69,8 +78,7 @@ pub fn program(words: Vec<OsString>) -> ExitCode {
     ExitCode::from(run(&Program::parse_from(words).check))
 }
 
-/// Checks a store and prints the report; the exit code: 1 when something is wrong, 2 when there is no such
-/// store.
+/// Checks a store and prints the report; the exit code.
 #[must_use]
 pub fn run(args: &CheckArgs) -> u8 {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.unwrap_or(0)).build();
@@ -79,13 +87,13 @@ pub fn run(args: &CheckArgs) -> u8 {
         Err(fault) => Err(fault.to_string()),
     };
     match outcome {
-        Ok((text, is_clean)) => {
+        Ok((text, code)) => {
             say(&text);
-            CODES[usize::from(!is_clean)]
+            code
         }
         Err(fault) => {
             complain(&fault);
-            CODES[2]
+            USAGE
         }
     }
 }
@@ -99,8 +107,8 @@ fn complain(fault: &str) {
     let _ = writeln!(std::io::stderr(), "error: {fault}");
 }
 
-/// The report on a store, and whether it is clean.
-fn check(args: &CheckArgs) -> Result<(String, bool), String> {
+/// The report on a store, and the exit code.
+fn check(args: &CheckArgs) -> Result<(String, u8), String> {
     let store = args.store.as_path();
     if !store.join("dataset.json").is_file() {
         return Err(format!("{} is no store: it has no dataset.json", store.display()));
@@ -117,12 +125,16 @@ fn check(args: &CheckArgs) -> Result<(String, bool), String> {
     let config = Config::of(&dataset).ok_or_else(|| format!("{}: has no configuration", store.display()))?;
     let there = scene_numbers(store);
     let wanted = args.scenes.as_deref().map(scene_list).transpose()?;
-    let scenes: Vec<u32> =
-        there.iter().copied().filter(|s| wanted.as_ref().is_none_or(|wanted| wanted.contains(s))).collect();
+    let is_wanted = |scene: u32| wanted.as_ref().is_none_or(|wanted| wanted.contains(&scene));
+    let scenes: Vec<u32> = there.iter().copied().filter(|&scene| is_wanted(scene)).collect();
+    if there.is_empty() {
+        return Err(format!("{}: no scene is begun: `convoy run` makes them", store.display()));
+    }
     if scenes.is_empty() {
         return Err(format!("{}: has no such scenes", store.display()));
     }
     let mut ledger = Ledger::at("dataset");
+    let standing = Standing::of(store, &there, is_wanted, &mut ledger);
     let (mut frames, mut agent_frames) = (0, 0);
     for &number in &scenes {
         let (found, counted) = check_scene(store, &config, number, args.every);
@@ -144,7 +156,12 @@ fn check(args: &CheckArgs) -> Result<(String, bool), String> {
         config.name(),
         scenes.len()
     );
-    Ok((report::report(&heading, &ledger), ledger.is_clean()))
+    let code = match (ledger.is_clean(), standing.is_whole()) {
+        (true, true) => RIGHT,
+        (true, false) => UNFINISHED,
+        (false, _) => WRONG,
+    };
+    Ok((report::report(&heading, &ledger, &standing), code))
 }
 
 /// Checks a scene; how many frames and agent-frames it has.
@@ -227,6 +244,6 @@ mod tests {
     fn a_folder_without_a_dataset_is_no_store() {
         let folder = tempfile::tempdir().expect("a folder");
         let args = CheckArgs { store: folder.path().to_owned(), scenes: None, every: 1, threads: Some(1) };
-        assert_eq!(run(&args), 2);
+        assert_eq!(run(&args), USAGE);
     }
 }

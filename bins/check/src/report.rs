@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use crate::ledger::Ledger;
 use crate::rules::Rule;
+use crate::standing::Standing;
 
 /// What no check looks at in any store.
 const NEVER: [&str; 9] = [
@@ -19,7 +20,7 @@ const NEVER: [&str; 9] = [
 ];
 
 /// The report on a store.
-pub(crate) fn report(heading: &str, ledger: &Ledger) -> String {
+pub(crate) fn report(heading: &str, ledger: &Ledger, standing: &Standing) -> String {
     let mut text = format!("{heading}\n\n{:16}{:>14}{:>12}  what must hold\n", "check", "looked at", "off");
     for &rule in Rule::ALL {
         let tally = ledger.tally(rule);
@@ -63,9 +64,15 @@ pub(crate) fn report(heading: &str, ledger: &Ledger) -> String {
     if !tables.is_empty() {
         let _ = write!(text, "\n{tables}");
     }
+    text += &standing.lines();
     let off = Rule::ALL.iter().filter(|rule| ledger.tally(**rule).off > 0).count();
     let _ = match off {
-        0 => writeln!(text, "\nNothing is wrong."),
+        0 if standing.is_whole() => writeln!(text, "\nNothing is wrong."),
+        0 => writeln!(
+            text,
+            "\nUNFINISHED: what is there is right, but something is not there ({}): `convoy run` makes it.",
+            standing.words()
+        ),
         off => writeln!(text, "\n{off} checks found something wrong."),
     };
     text
@@ -81,7 +88,7 @@ mod tests {
             let rule = what.split(':').next().unwrap_or_default();
             assert!(Rule::ALL.iter().any(|known| known.name() == rule), "{what}");
         }
-        let text = report("x", &Ledger::default());
+        let text = report("x", &Ledger::default(), &Standing::default());
         assert!(NEVER.iter().all(|what| text.contains(what)), "{text}");
     }
 }

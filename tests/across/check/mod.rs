@@ -36,6 +36,23 @@ fn off(report: &str, rule: &str) -> u64 {
 }
 
 #[test]
+fn an_unfinished_store_does_not_pass() {
+    let bench = Bench::new(&TINY.replace("\"convoy/demo\" = 1", "\"convoy/demo\" = 2"));
+    bench.run("spawn-planner", &[]).expect_done();
+    let of_plan = checked(&bench.store(), "1");
+    assert!(of_plan.code == 2 && of_plan.stderr.contains("no scene is begun"), "{of_plan:?}");
+    bench.run("simulate-and-log", &["--scenes", "1"]).expect_done();
+    let told = checked(&bench.store(), "1");
+    assert_eq!(told.code, 3, "{}{}", told.stdout, told.stderr);
+    assert!(!told.stdout.contains("Nothing is wrong"), "{}", told.stdout);
+    let lines = [
+        "  simulate-and-log: not done in 1 of 2 scenes\n  render-sensors: not done in 2 of 2 scenes\n",
+        "\nUNFINISHED: what is there is right, but something is not there (2 of 2 scenes, the statistics)",
+    ];
+    assert!(lines.iter().all(|line| told.stdout.contains(line)), "{}", told.stdout);
+}
+
+#[test]
 fn each_planted_fault_is_found() {
     let exact = "
 [vehicle.gnss]
@@ -82,6 +99,7 @@ glass = true
     bench.run("convoy", &["run", "--progress", "none"]).expect_done();
     let store = bench.store();
     let whole = checked(&store, "1");
+    assert!(whole.stdout.ends_with("\nNothing is wrong.\n"), "{}", whole.stdout);
     let before = checked(&store, "10");
     assert!(before.stdout.contains("voxels: LIDAR: it has noise"), "{}", before.stdout);
     assert!(before.stdout.contains("voxels: SEG-SMOOTH: of what moves"), "{}", before.stdout);
