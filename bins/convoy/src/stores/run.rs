@@ -217,8 +217,9 @@ fn of_stages(args: &RunArgs, stages: &[&StageSpec], table: &mut Table) {
         of_planner.into_iter().filter(|(_, wanted)| *wanted).map(|(word, _)| word).collect();
     let is_planned = stages.iter().any(|stage| stage.unit == UnitKind::Plan);
     let scenes = args.scenes.as_ref().map(ToString::to_string);
+    let in_run = stages.iter().map(|stage| stage.name).collect::<Vec<_>>().join(",");
     for stage in stages {
-        let mut words: Vec<&str> = Vec::new();
+        let mut words: Vec<&str> = vec!["--in-run", in_run.as_str()];
         if let (UnitKind::Scene, Some(scenes)) = (stage.unit, &scenes) {
             words.extend(["--scenes", scenes]);
         }

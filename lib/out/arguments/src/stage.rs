@@ -55,6 +55,9 @@ pub struct StageArgs {
     /// Make again what older code made: `convoy run` says so to its stages once the planner has asked.
     #[arg(long, hide = true)]
     redo_older: bool,
+    /// The stages of the run that this is one of: `convoy run` says so, for the time that is left of all.
+    #[arg(long, hide = true, value_name = "LIST", value_delimiter = ',')]
+    in_run: Vec<String>,
     /// Warnings about the configuration and about the plan are errors (2).
     #[arg(long)]
     strict: bool,
@@ -126,6 +129,7 @@ impl From<StageArgs> for StageOptions {
             force,
             redo,
             redo_older,
+            in_run,
             strict,
             accept_code,
             device,
@@ -145,6 +149,7 @@ impl From<StageArgs> for StageOptions {
             force,
             redo,
             redo_older,
+            in_run,
             strict,
             accept_code,
             device: device.into(),

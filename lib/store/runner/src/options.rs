@@ -25,6 +25,8 @@ pub struct StageOptions {
     pub redo: bool,
     /// Make again what older code made: `convoy run` says so to its stages once the planner has asked.
     pub redo_older: bool,
+    /// The stages of the run that this is one of, in order; none: it runs by itself.
+    pub in_run: Vec<String>,
     /// What is suspicious in the configuration or the plan is an error.
     pub strict: bool,
     /// Keep what an older version or program made, where nothing else changed.

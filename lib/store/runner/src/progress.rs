@@ -1,13 +1,13 @@
 //! Progress of a scene: a bar on a terminal, plain lines elsewhere.
 
 use std::io::IsTerminal;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::error::StageError;
-use crate::pace::Pace;
+use crate::pace::{Pace, Seen};
 use crate::{ProgressMode, interrupt};
 
 const PLAIN_PERIOD: Duration = Duration::from_secs(10);
@@ -19,7 +19,8 @@ pub struct Progress {
     kind: Arc<Kind>,
     label: Arc<str>,
     pace: Pace,
-    began: Instant,
+    /// The first step: when it was done, and how much was done then.
+    first: Arc<OnceLock<(Instant, u64)>>,
 }
 
 enum Kind {
@@ -87,7 +88,7 @@ impl Progress {
                 Kind::Plain(Mutex::new(Plain { done: 0, total, spoke: Instant::now(), said: None }))
             }
         };
-        Self { kind: Arc::new(kind), label: label.into(), pace, began: Instant::now() }
+        Self { kind: Arc::new(kind), label: label.into(), pace, first: Arc::default() }
     }
 
     /// Sets the amount of work.
@@ -117,18 +118,28 @@ impl Progress {
 
     /// How fast it goes and how long all pieces take.
     fn words(&self, done: u64, total: u64) -> String {
-        self.pace.words(done, total, self.began.elapsed())
+        let Some(&(at, first)) = self.first.get() else { return String::new() };
+        self.pace.words(Seen { done, total, first, since: at.elapsed() })
+    }
+
+    /// Remembers the first step.
+    fn begin(&self, done: u64) {
+        if done > 0 {
+            self.first.get_or_init(|| (Instant::now(), done));
+        }
     }
 
     fn count(&self, amount: u64) {
         match &*self.kind {
             Kind::Bar(bar) => {
                 bar.inc(amount);
+                self.begin(bar.position());
                 bar.set_message(self.words(bar.position(), bar.length().unwrap_or(0)));
             }
             Kind::Plain(plain) => {
                 let Ok(mut plain) = plain.lock() else { return };
                 plain.done += amount;
+                self.begin(plain.done);
                 if let Some(line) = plain.line(PLAIN_PERIOD, |done, total| self.words(done, total)) {
                     tracing::info!("{}: {line}", self.label);
                 }

@@ -1,6 +1,7 @@
 //! What every stage binary does around its work.
 
 mod foreseen;
+mod paced;
 mod records;
 
 use std::collections::BTreeMap;
@@ -88,6 +89,7 @@ fn try_run<S: StageSettings>(
         force,
         redo,
         redo_older,
+        in_run,
         strict,
         accept_code,
         device,
@@ -139,6 +141,7 @@ fn try_run<S: StageSettings>(
         force: *force,
         redo: *redo,
         redo_older: *redo_older,
+        in_run: in_run.clone(),
         accept_code: *accept_code,
         progress: *progress,
         shard: options.shard,
@@ -181,6 +184,7 @@ struct Run<'a, S> {
     force: bool,
     redo: bool,
     redo_older: bool,
+    in_run: Vec<String>,
     accept_code: bool,
     progress: ProgressMode,
     /// The share of the scenes that this run makes, if not all.
@@ -274,14 +278,13 @@ impl<S: StageSettings> Run<'_, S> {
     fn all(&self, looked: &[Looked]) -> Result<u8, StageError> {
         let start = Instant::now();
         let (mut done, mut kept, mut failed) = (0, 0, 0);
-        let is_made = |of_scope: &&Looked| of_scope.state != State::Done || self.force;
-        let mut pace = Pace::of(looked.iter().filter(is_made).count());
-        for Looked { scope, state, is_untidy } in looked {
-            let scope = *scope;
-            let made = if *state == State::Done && !self.force {
-                self.keep(scope, *is_untidy).map(|()| false)
+        let mut pace = self.pace(looked)?;
+        for of_scope in looked {
+            let scope = of_scope.scope;
+            let made = if !self.is_made(of_scope) {
+                self.keep(scope, of_scope.is_untidy).map(|()| false)
             } else {
-                let made = self.one(scope, pace);
+                let made = self.one(scope, pace.clone());
                 pace.step();
                 made
             };
@@ -304,6 +307,11 @@ impl<S: StageSettings> Run<'_, S> {
         let name = S::STAGE;
         tracing::info!("{name}: {done} done, {kept} kept, {failed} failed in {secs:.1} s");
         Ok(if failed == 0 { EXIT_DONE } else { EXIT_SOME_FAILED })
+    }
+
+    /// Whether a scope is about to be made, or made again.
+    fn is_made(&self, of_scope: &Looked) -> bool {
+        of_scope.state != State::Done || self.force
     }
 
     /// What the stage reads outside the store, by the names of its manifest.

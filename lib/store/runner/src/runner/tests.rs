@@ -58,6 +58,7 @@ fn run_of<'a>(
         device_in_use: None,
         redo: false,
         redo_older: false,
+        in_run: Vec::new(),
         force: false,
         accept_code: false,
         progress: ProgressMode::None,
