@@ -7,7 +7,7 @@
 # # A first look at a dataset
 #
 # Open this file as a notebook with jupytext (`jupytext --to notebook first_look.py`) or in an editor that knows
-# cells, or run it. It wants `pip install 'python[plots]' pandas` and a store called `dataset` (`make dataset`).
+# cells, or run it. It wants `pip install 'python[plots]' pandas` and a store called `dataset` (`convoy demo --out dataset`).
 
 # %%
 import matplotlib

@@ -256,7 +256,8 @@ class Reading(unittest.TestCase):
                     caught.exception.sensor,
                 )
                 self.assertEqual(place, (0, FRAME, "rsu_0", "LIDAR"))
-                self.assertIn("make stage STAGE=render-sensors FORCE=1 SCENES=0", str(caught.exception))
+                self.assertIn(f"`render-sensors --store {copy} --scenes 0 --force`", str(caught.exception))
+                self.assertNotIn("make ", str(caught.exception).replace("makes ", ""))
             table.write_bytes(whole)
             self.assertGreater(len(agent.lidar()), 0)
             archive = bytearray(masks.read_bytes())
@@ -268,7 +269,7 @@ class Reading(unittest.TestCase):
             text = manifest.read_text()
             manifest.unlink()
             unfinished = convoy.Dataset(copy).scene(0)
-            with self.assertRaisesRegex(convoy.StoreError, "postprocess-valid is not finished"):
+            with self.assertRaisesRegex(convoy.StoreError, "postprocess-valid is not finished.*`convoy run --store "):
                 unfinished.frame(FRAME).agent("rsu_0").boxes()
             with self.assertRaisesRegex(convoy.StoreError, "no sample"):
                 convoy.DetectionSamples(copy)

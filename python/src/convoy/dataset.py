@@ -28,7 +28,7 @@ _STEP_S = 0.05
 
 
 class Dataset:
-    """A store: a folder that `make dataset` wrote, or the URL of one: s3://BUCKET/PREFIX, gs://BUCKET/PREFIX,
+    """A store: a folder that `convoy run` wrote, or the URL of one: s3://BUCKET/PREFIX, gs://BUCKET/PREFIX,
     az://CONTAINER/PREFIX, file:///FOLDER. Nothing is read before it is asked for; may be pickled."""
 
     def __init__(self, store: str | os.PathLike[str]) -> None:
@@ -141,7 +141,7 @@ class Dataset:
         """A table of all scenes that are made, one below the other (`tracks`, `boxes_valid`, `log/actors`, ...), with a first
         column `scene`: ids of objects are only unique within a scene. A stage that is not finished for a scene is an error."""
         if not (scenes := self.scenes()):
-            raise StoreError("no scene is made", do="`make dataset` makes what is missing", file=self.location)
+            raise StoreError("no scene is made", do=f"{self._files.go_on} makes what is missing", file=self.location)
         pieces = []
         for scene in scenes:
             piece = scene.table(name, columns)

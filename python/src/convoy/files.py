@@ -7,6 +7,7 @@ import hashlib
 import io
 import json
 import os
+import shlex
 import threading
 import zipfile
 from collections import OrderedDict
@@ -140,13 +141,24 @@ class Files:
             raise self.error(
                 f"its format version is {found}, this package reads {FORMAT_VERSIONS[0]} to {FORMAT_VERSIONS[-1]}",
                 file=file,
-                do="install the convoy-data of the Convoy that made the store",
+                do="install the Python package of the Convoy that made the store",
             )
 
     def _redo(self, key: str | None = None) -> str:
-        stage = f"make stage STAGE={stage_of(key)} FORCE=1" if key else "make dataset"
-        scene = f" SCENES={self.scene}" if self.scene is not None else ""
-        return f"`make verify` says what is damaged, `{stage}{scene if key else ''}` makes it again"
+        again = "`convoy run` with the store's configuration"
+        if key and self.scene is not None:
+            again = f"`{stage_of(key)} --store {shlex.quote(self.place.location)} --scenes {self.scene} --force`"
+        return f"{self.verify} says what is damaged, {again} makes it again"
+
+    @property
+    def go_on(self) -> str:
+        """The command that makes what is missing or stale."""
+        return f"`convoy run --store {shlex.quote(self.place.location)} --stages scenes,stats`"
+
+    @property
+    def verify(self) -> str:
+        """The command that looks for damage."""
+        return f"`convoy verify --store {shlex.quote(self.place.location)}`"
 
     def _unread(self, fault: BaseException, file: str, key: str | None = None) -> StoreError:
         """What is wrong with a file that cannot be read, or with the whole place."""
@@ -172,7 +184,7 @@ class Files:
             raise self.error(
                 f"{stage} is not finished for it",
                 file=key,
-                do="`make dataset` makes what is missing, `make status` lists it",
+                do=f"{self.go_on} makes what is missing",
             )
         try:
             source = self.place.source(key)

@@ -94,13 +94,13 @@ class Camera:
         try:
             from PIL import Image
         except ImportError as fault:
-            raise ImportError("pictures are decoded by Pillow: pip install 'convoy-data[images]'") from fault
+            raise ImportError("pictures are decoded by Pillow: pip install pillow") from fault
         try:
             with Image.open(io.BytesIO(self.encoded)) as picture:
                 return np.asarray(picture.convert("RGB"))
         except (OSError, ValueError, SyntaxError) as fault:
             raise self._agent.fault(
-                f"is no picture ({fault})", "`make verify` says what is damaged", f"{self.kind}-{self.sensor.name}"
+                f"is no picture ({fault})", f"{self._agent.frame.scene._files.verify} says what is damaged", f"{self.kind}-{self.sensor.name}"
             ) from fault
 
     def depth(self) -> Array:
@@ -304,7 +304,7 @@ class Agent:
         )
         rows = self.frame._labels("hd_map", names, self.name).to_pylist()
         if not rows:
-            raise self.fault("it has no map record", "`make verify` says what is damaged", "hd_map")
+            raise self.fault("it has no map record", f"{self._agent.frame.scene._files.verify} says what is damaged", "hd_map")
         record: dict[str, Any] = rows[0]
         return record
 
@@ -315,7 +315,7 @@ class Agent:
         seen = self.frame._labels("boxes_valid", _SEEN, self.name)
         if table["id"] != seen["id"]:
             raise self.fault(
-                "boxes and boxes_valid have other rows", "`make dataset` makes stale stages again", "boxes"
+                "boxes and boxes_valid have other rows", f"{self.frame.scene._files.go_on} makes stale stages again", "boxes"
             )
         boxes = _boxes(table, seen)
         return boxes[boxes.valid] if valid else boxes
@@ -399,7 +399,7 @@ class Agent:
         self._index(self.sensor(sensor).every_n_frames, sensor)
         rows = self._rows(table, sensor).to_pylist()
         if not rows:
-            raise self.fault("has no row of this frame", "`make verify` says what is damaged", sensor)
+            raise self.fault("has no row of this frame", f"{self._agent.frame.scene._files.verify} says what is damaged", sensor)
         record: dict[str, Any] = rows[0]
         return record
 

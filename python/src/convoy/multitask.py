@@ -133,7 +133,7 @@ def pictures_of(agents: Sequence[Agent], height: int, width: int) -> Pictures:
     try:
         from PIL import Image
     except ImportError as fault:
-        raise ImportError("pictures are made small by Pillow: pip install 'convoy-data[images]'") from fault
+        raise ImportError("pictures are made small by Pillow: pip install pillow") from fault
     pictures, owners, names, intrinsics, poses = [], [], [], [], []
     for number, agent in enumerate(agents):
         for name in (name.removeprefix("RGB-") for name in agent.sensors if name.startswith("RGB-")):

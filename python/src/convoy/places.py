@@ -90,7 +90,7 @@ class Place:
 
     def nothing(self) -> tuple[str, str]:
         """What to say where there is no store."""
-        return "there is no finished plan here", "give the folder that `make dataset` wrote"
+        return "there is no finished plan here", "give the folder that `convoy run --store` wrote"
 
 
 class Bucket(Place):

@@ -31,7 +31,7 @@ def _pyplot() -> Any:
     try:
         import matplotlib.pyplot as plt
     except ImportError as fault:
-        raise ImportError("plots need matplotlib: pip install 'convoy-data[plots]'") from fault
+        raise ImportError("plots need matplotlib: pip install matplotlib pillow") from fault
     return plt
 
 

@@ -27,7 +27,7 @@ def _rerun() -> Any:
     try:
         import rerun
     except ImportError as fault:
-        raise ImportError("convoy.rerun needs Rerun: pip install 'convoy-data[rerun]'") from fault
+        raise ImportError("convoy.rerun needs Rerun: pip install rerun-sdk pillow") from fault
     return rerun
 
 

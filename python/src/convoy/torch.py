@@ -17,7 +17,7 @@ try:
     import torch
     from torch.utils.data import Dataset
 except ImportError as fault:
-    raise ImportError("convoy.torch needs PyTorch: pip install 'convoy-data[torch]', or as pytorch.org says") from fault
+    raise ImportError("convoy.torch needs PyTorch: pip install torch, or as pytorch.org says") from fault
 
 
 class Detection(samples.DetectionSamples, Dataset):  # type: ignore[misc]

@@ -92,7 +92,7 @@ class Keyframes(Dataset[Keyframe]):
         if not self.keys:
             raise convoy.StoreError(
                 f"there is no keyframe: split {split}, stages {', '.join(STAGES)}",
-                do="`make status` says which scenes are finished",
+                do="`convoy status` says which scenes are finished",
                 file=dataset.location,
             )
         self._kept: dict[int, Keyframe] = {}
