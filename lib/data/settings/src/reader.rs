@@ -345,6 +345,11 @@ impl<'a> Section<'a> {
         self.layers.iter().any(|layer| layer.document == 0 && layer.table.contains_key(key))
     }
 
+    /// Whether a key stands in any file, above or below.
+    pub(crate) fn says(&self, key: &str) -> bool {
+        self.layers.iter().any(|layer| layer.table.contains_key(key))
+    }
+
     /// Whether the configuration comes from a language in which all keys are written down, used or not.
     pub(crate) fn names_all(&self) -> bool {
         self.context.documents.first().is_some_and(|document| document.source.names_all)

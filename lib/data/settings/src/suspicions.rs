@@ -37,6 +37,7 @@ pub(crate) fn look(root: &Section<'_>, all: &DatasetSettings) {
         rigs_of_nobody(root, &top);
         if !root.names_all() {
             unused(root, &top);
+            placed_by_default(root, &top);
         }
     }
     let sections = root.sections("groups", "", "").unwrap_or_default();
@@ -183,6 +184,29 @@ fn unused(root: &Section<'_>, all: &DatasetSettings) {
     for (section, own) in root.sections("rigs", "", "").unwrap_or_default().iter().zip(&all.scenario.own_rigs)
     {
         unused_in_rig(section, &own.rig, &own.occupancy);
+    }
+}
+
+/// Sensors of a list that do not say where they are: they are at one place with others, as a rule.
+fn placed_by_default(root: &Section<'_>, all: &DatasetSettings) {
+    let own = root.sections("rigs", "", "").unwrap_or_default();
+    let own = own.iter().zip(&all.scenario.own_rigs).map(|(section, own)| (section, &own.rig));
+    let (vehicle, rsu) = (root.section("vehicle", ""), root.section("rsu", ""));
+    let usual = [(&vehicle, &all.scenario.vehicle_rig), (&rsu, &all.scenario.rsu_rig)];
+    for (section, has) in usual.into_iter().chain(own) {
+        let items = |list| section.sections(list, "", "").unwrap_or_default();
+        // A lidar may have one with labels beside it, or be switched off.
+        let lidars = items("lidars").into_iter().filter_map(|item| {
+            let name = item.text("name", "LIDAR_2", "");
+            let spec = has.lidars.iter().find(|l| l.name == name || l.name == format!("SEG-{name}"))?;
+            Some((item, spec.mount.xyz_m))
+        });
+        let cameras = items("cameras").into_iter().zip(has.cameras.iter().map(|camera| camera.mount.xyz_m));
+        let radars = items("radars").into_iter().zip(has.radars.iter().map(|radar| radar.mount.xyz_m));
+        for (item, xyz_m) in lidars.chain(cameras).chain(radars).filter(|(item, _)| !item.says("xyz_m")) {
+            let path = item.path();
+            item.warn_here(format!("`{path}` does not say where it is: it is at `xyz_m = {xyz_m:?}`"));
+        }
     }
 }
 

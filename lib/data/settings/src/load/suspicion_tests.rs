@@ -104,6 +104,20 @@ fn tables_without_effect_are_said() {
 }
 
 #[test]
+fn sensors_that_do_not_say_where_they_are_are_said() {
+    let text = "[[vehicle.lidars]]\nname = \"FRONT\"\n[[vehicle.lidars]]\nname = \"LEFT\"\nxyz_m = [0, 1, 1]\n\
+                [[vehicle.lidars]]\nname = \"LABELS\"\nenabled = false\nsemantic = true\n[[vehicle.lidars]]\n\
+                name = \"OFF\"\nenabled = false\n[[rsu.radars]]\nname = \"RAD\"\n[[rigs]]\nagents = [\"vehicle_1\"]\n\
+                [[rigs.cameras]]\nname = \"A\"\nxyz_m = [1, 0, 1]\n[[rigs.cameras]]\nname = \"B\"\n";
+    insta::assert_snapshot!(said(text), @r"
+    odd.toml:3: `vehicle.lidars[0]` does not say where it is: it is at `xyz_m = [0.0, 0.0, 1.8]`
+    odd.toml:8: `vehicle.lidars[2]` does not say where it is: it is at `xyz_m = [0.0, 0.0, 1.8]`
+    odd.toml:14: `rsu.radars[0]` does not say where it is: it is at `xyz_m = [0.0, 0.0, 1.2]`
+    odd.toml:21: `rigs[0].cameras[1]` does not say where it is: it is at `xyz_m = [0.4, 0.4, 1.6]`
+    ");
+}
+
+#[test]
 fn shipped_configurations_are_above_suspicion() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../configs");
     let files = std::fs::read_dir(folder).expect("a folder").flatten().map(|entry| entry.path());
