@@ -22,6 +22,8 @@ use schema::tables::{ActorRow, BoxRow, PlanSceneRow, TILE_STAGE, TrackFrameRow, 
 use schema::tile::TileIndex;
 use store::{Manifest, Scope, Store, keys};
 
+use crate::evaluate::{perfect, write};
+
 /// A column of today as tables of format 1 have it; none where they lack it. `renamed`: digests of
 /// manifests, as they are and as they become.
 fn older(table: &str, name: &str, array: &ArrayRef, renamed: &BTreeMap<String, String>) -> Option<ArrayRef> {
@@ -211,6 +213,13 @@ fn a_store_of_format_1_is_read_as_one_of_today() {
     for layout in ["opv2v", "mcap"] {
         assert_eq!(exported(&old, layout), exported(&new, layout), "{layout}");
     }
+    let own = write(new.folder.path(), "own.parquet", perfect(&new));
+    let scored = |bench: &Bench| {
+        convoy(&["evaluate", "--predictions"], &[&own, Path::new("--store"), &bench.store()]).stdout
+    };
+    let scores = scored(&old);
+    assert!(scores.contains("nuScenes, ") && scores.contains("OPV2V, "), "{scores}");
+    assert_eq!(scores, scored(&new));
     let merged = Bench::new(LEAN);
     let from = old.store().display().to_string();
     merged.run("convoy", &["merge", &from]).expect_done();
