@@ -166,7 +166,7 @@ fn a_whole_run_holds_the_store_until_all_of_it_is_gone() {
     }
     let next = outcome(&mut by(&bench, &other, "spawn-planner", &[]));
     next.expect_done();
-    assert_eq!(next.stderr.matches("takes over the store from ").count(), 1, "{next:?}");
+    assert_eq!(next.stderr.matches("takes over what ").count(), 1, "{next:?}");
     assert!(!bench.store().join("_locks").exists());
     // A run that is told to end lets go.
     let mut driver = bench.start("convoy", &["run"]);

@@ -370,7 +370,7 @@ pub(crate) fn run_program(command: &mut Command) -> u8 {
 }
 
 fn try_run_program(command: &mut Command) -> std::io::Result<u8> {
-    let mut child = command.spawn()?;
+    let mut child = runner::stops_with_this_one(command).spawn()?;
     let mut told = false;
     loop {
         if let Some(status) = child.try_wait()? {

@@ -25,8 +25,8 @@ pub(crate) struct SubmitArgs {
     /// How many tasks (default: as many as end in time).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) tasks: Option<u32>,
-    /// Minutes that a task may take.
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(5..))]
+    /// Minutes that a task may take, at least 5.
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = minutes)]
     pub(super) minutes: u32,
     /// Cores of a task.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
@@ -81,6 +81,14 @@ pub(crate) struct SubmitArgs {
     /// Send them as well. Kubernetes, Ray: wait until all is done.
     #[arg(long)]
     pub(super) submit: bool,
+}
+
+/// Minutes of a task.
+fn minutes(text: &str) -> Result<u32, String> {
+    match text.parse() {
+        Ok(minutes) if minutes >= 5 => Ok(minutes),
+        _ => Err("a task takes at least 5: two minutes before its end it is told to stop".to_owned()),
+    }
 }
 
 /// What starts tasks.

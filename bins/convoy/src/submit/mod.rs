@@ -23,6 +23,7 @@ use runner::{
     Suspicious, say, settings_or_faults,
 };
 use settings::DatasetSettings;
+use store::Store;
 
 pub(crate) use self::args::SubmitArgs;
 
@@ -60,10 +61,15 @@ fn submit(args: &SubmitArgs, stamp: &[u8; STAMP_LEN]) -> Result<u8, StageError> 
     if args.engine == Engine::Ray {
         ray::check_splits(&args.split).map_err(StageError::usage)?;
     }
-    if args.submit {
-        there::check(args).map_err(StageError::usage)?;
-    }
-    let work = match planned(args, &store, &settings, stamp)? {
+    there::check(args).map_err(StageError::usage)?;
+    let is_in_place = match args.engine {
+        Engine::Slurm => true,
+        Engine::Kubernetes => false,
+        Engine::Ray => !is_url(&store),
+    };
+    // A store that is new gets its plan last: what is refused leaves nothing behind.
+    let is_planned = is_in_place && Store::open_made(&store).is_ok();
+    let work = match planned(args, is_planned.then_some(&*store), &settings, stamp)? {
         Planned::Work(work) => work,
         Planned::Ended(code) => return Ok(code),
     };
@@ -78,12 +84,23 @@ fn submit(args: &SubmitArgs, stamp: &[u8; STAMP_LEN]) -> Result<u8, StageError> 
         Engine::Ray => Most::Any,
     };
     let limits = Limits { minutes: args.minutes, cores: args.cores, most };
-    let size = Size::choose(&work_s, args.tasks, limits).map_err(StageError::usage)?;
-
     let folder = match &args.to {
         Some(folder) => absolute(folder)?,
         None => jobs_folder(&store)?,
     };
+    let size = Size::choose(&work_s, args.tasks, limits).map_err(|problem| {
+        let is_there = folder.join("submit.sh").exists();
+        let earlier = format!("; the scripts in {} are of an earlier call", folder.display());
+        StageError::usage(format!("{problem}{}", if is_there { &earlier } else { "" }))
+    })?;
+    if is_in_place {
+        let code = if is_planned { EXIT_DONE } else { plan(args, &store)? };
+        if code != EXIT_DONE {
+            return Ok(code);
+        }
+        store::probe(&Store::open(&store)?)?;
+    }
+
     let has_logs = handed_over.is_none();
     let files = match handed_over {
         Some((storage, config)) => manifests(args, &settings.name, (storage, config), size.tasks)?,
@@ -218,32 +235,24 @@ enum Planned {
     Ended(u8),
 }
 
-/// Plans, and asks the plan what it will cost. Where this machine need not reach the store, the plan is made
-/// aside and thrown away: the first job makes it anew.
+/// Plans, and asks the plan what it will cost: in a store, or aside, to be thrown away.
 fn planned(
     args: &SubmitArgs,
-    store: &Path,
+    store: Option<&Path>,
     settings: &DatasetSettings,
     stamp: &[u8; STAMP_LEN],
 ) -> Result<Planned, StageError> {
-    let is_aside = match args.engine {
-        Engine::Slurm => false,
-        Engine::Kubernetes => true,
-        Engine::Ray => is_url(store),
+    let aside = match store {
+        None => Some(tempfile::tempdir().map_err(|e| StageError::usage(format!("a temporary folder: {e}")))?),
+        Some(_) => None,
     };
-    let aside = match is_aside {
-        true => Some(tempfile::tempdir().map_err(|e| StageError::usage(format!("a temporary folder: {e}")))?),
-        false => None,
-    };
-    let place = aside.as_ref().map_or_else(|| store.to_owned(), |folder| folder.path().join("sizes"));
-    let code = plan(args, &place)?;
+    let sizes = aside.as_ref().map(|folder| folder.path().join("sizes"));
+    let place = store.or(sizes.as_deref()).unwrap_or(Path::new("."));
+    let code = plan(args, place)?;
     if code != EXIT_DONE {
         return Ok(Planned::Ended(code));
     }
-    let store = store::Store::open(&place)?;
-    if !is_aside {
-        store::probe(&store)?;
-    }
+    let store = Store::open(place)?;
     let editions = runner::Editions::of_store(&store, settings, EditionWish::Known)?;
     let programs = Programs::of_build(stamp, None);
     let status = Status::new(&store, &editions, &programs);

@@ -93,8 +93,9 @@ impl Size {
         };
         if scene_s > usable_s {
             return Err(format!(
-                "scene {longest} alone takes about {:.0} minutes on {cores} cores: give --minutes {:.0}, or more --cores",
+                "scene {longest} alone takes about {:.0} minutes on {}: give --minutes {:.0}, or more --cores",
                 scene_s / 60.0,
+                counted(cores, "core"),
                 enough(scene_s)
             ));
         }
@@ -138,17 +139,26 @@ impl Size {
         let Self { tasks, cores, scenes, all_s, task_s, scene_s } = self;
         vec![
             format!(
-                "{scenes} scenes, about {:.1} core-hours at the speed of this machine, {}",
+                "{}, about {:.1} core-hours at the speed of this machine, {}",
+                counted(*scenes, "scene"),
                 all_s / 3600.0,
                 DecimalBytes(bytes.round() as u64)
             ),
             format!(
-                "{tasks} tasks of {cores} cores: the longest takes about {:.0} minutes, the longest scene {:.0}",
+                "{} of {}: the longest takes about {:.0} minutes, the longest scene {:.0}",
+                counted(*tasks, "task"),
+                counted(*cores, "core"),
                 (task_s / 60.0).ceil(),
                 (scene_s / 60.0).ceil()
             ),
         ]
     }
+}
+
+/// How many of a thing.
+pub(super) fn counted<N: fmt::Display + PartialEq + From<u8>>(count: N, thing: &str) -> String {
+    let end = if count == N::from(1) { "" } else { "s" };
+    format!("{count} {thing}{end}")
 }
 
 #[cfg(test)]

@@ -102,6 +102,7 @@ code=$?
 # Stopped, or out of memory: once more. What fails by itself (1, 2) would fail again.
 if [ "$code" -eq 75 ] || [ "$code" -eq 137 ]; then
     if [ "${{SLURM_RESTART_COUNT:-0}}" -lt {MOST_RESTARTS} ]; then
+        echo "ended with $code: requeued, for the $((${{SLURM_RESTART_COUNT:-0}} + 1)). of {MOST_RESTARTS} times"
         scontrol requeue "$SLURM_JOB_ID" && sleep 60
     fi
 fi

@@ -48,7 +48,7 @@ pub use editions::{
 pub use error::{At, Place, StageError, report};
 pub use foresight::Foresight;
 pub use graph::{Graph, StageSpec, UnitKind};
-pub use interrupt::{listen as listen_for_signals, stopped as was_stopped};
+pub use interrupt::{listen as listen_for_signals, stopped as was_stopped, stops_with_this_one};
 pub use lock::{hold_alone, hold_for_all_stages};
 pub use options::{DeviceOptions, ProgressMode, SceneList, Shard, StageOptions};
 pub use output_file::OutputFile;

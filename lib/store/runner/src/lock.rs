@@ -100,7 +100,9 @@ fn waiting(holder: &Holder) -> String {
 fn taken_over(from: &[Holder]) -> Option<String> {
     let (first, others) = from.split_first()?;
     let more = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
-    Some(format!("takes over the store from {first}{more}: ended without a word"))
+    Some(format!(
+        "takes over what {first}{more} held: ended without a word; others that work on the store go on"
+    ))
 }
 
 fn lost(to: &Holder) -> String {
@@ -163,8 +165,8 @@ mod tests {
         assert_eq!(taken_over(&[]), None);
         let taken = [&[holder(17)][..], &[holder(17), holder(18), holder(19)]].map(taken_over);
         insta::assert_snapshot!(taken.map(Option::unwrap_or_default).join("\n"), @"
-        takes over the store from mira on node-7, process 17, since 2026-11-28T09:00:00Z (convoy run of `town`, configuration 0a1b2c3d): ended without a word
-        takes over the store from mira on node-7, process 17, since 2026-11-28T09:00:00Z (convoy run of `town`, configuration 0a1b2c3d) and 2 more: ended without a word
+        takes over what mira on node-7, process 17, since 2026-11-28T09:00:00Z (convoy run of `town`, configuration 0a1b2c3d) held: ended without a word; others that work on the store go on
+        takes over what mira on node-7, process 17, since 2026-11-28T09:00:00Z (convoy run of `town`, configuration 0a1b2c3d) and 2 more held: ended without a word; others that work on the store go on
         ");
         insta::assert_snapshot!(lost(&holder(17)), @"nothing was heard from this process for a while, and the store went to mira on node-7, process 17, since 2026-11-28T09:00:00Z (convoy run of `town`, configuration 0a1b2c3d): stops");
     }

@@ -90,7 +90,7 @@ pub enum StoreError {
     },
     /// A service refuses, or cannot do what is asked for: for want of rights, of a bucket, of a condition.
     #[error(
-        "{path}: cannot {action}: {problem} (give other credentials, or another --store; nothing committed is lost)"
+        "{path}: cannot {action}: {problem} (mend that, or give another --store; nothing committed is lost)"
     )]
     Refused {
         /// What was asked for.

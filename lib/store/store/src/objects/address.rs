@@ -11,6 +11,7 @@ use object_store::path::Path;
 use object_store::{BackoffConfig, ClientOptions, ObjectStore, RetryConfig};
 
 use super::bucket::Objects;
+use super::failure::Access;
 use super::profile::Profile;
 use super::runtime::{choose_encryption, patience};
 use crate::StoreError;
@@ -87,26 +88,26 @@ pub(crate) fn open(scheme: &str, rest: &str) -> Option<Result<Objects, StoreErro
         }
     };
     Some(match opened {
-        Ok((service, looked_at)) => {
+        Ok((service, access)) => {
             let name = format!("{scheme}://{}", address.bucket);
             let bucket = Objects::new(service, &name, &address.folder);
-            Ok(bucket.let_in_by(&looked_at))
+            Ok(bucket.reached_by(access))
         }
-        Err(Unready { problem, looked_at }) => {
-            let problem = format!("{problem} (looked at: {looked_at})");
+        Err(Unready { problem, credentials }) => {
+            let problem = format!("{problem} ({credentials})");
             Err(StoreError::Refused { path: shown, action: "open", problem })
         }
     })
 }
 
-/// A service, and names of what gave its credentials.
-type Opened = (Arc<dyn ObjectStore>, String);
+/// A service, and how it is reached.
+type Opened = (Arc<dyn ObjectStore>, Access);
 
 /// Why a service cannot be asked at all.
 struct Unready {
     problem: String,
-    /// Names of variables and files that were found, never their values.
-    looked_at: String,
+    /// Names of variables and files that were found or not, never their values.
+    credentials: String,
 }
 
 fn retries() -> RetryConfig {
@@ -136,8 +137,20 @@ fn variables(prefixes: &[&str]) -> Vec<String> {
     found
 }
 
-fn listed(found: &[String]) -> String {
-    if found.is_empty() { "no variable, no profile".to_owned() } else { found.join(", ") }
+/// What was found of variables and profiles, and which of the usual variables are not set.
+fn listed(found: &[String], usual: &[&str]) -> String {
+    let missing: Vec<&str> =
+        usual.iter().copied().filter(|name| !found.iter().any(|found| found == name)).collect();
+    let list = |word: &str, names: String| (!names.is_empty()).then(|| format!("{word}: {names}"));
+    let parts = [list("found", found.join(", ")), list("not set", missing.join(", "))];
+    parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
+}
+
+/// An endpoint for messages, without a user or a key in it.
+fn endpoint_shown(url: &str) -> String {
+    let url = url.split(['?', '#']).next().unwrap_or_default();
+    let Some((scheme, rest)) = url.split_once("://") else { return url.to_owned() };
+    format!("{scheme}://{}", rest.rsplit_once('@').map_or(rest, |(_, after)| after))
 }
 
 /// Whether this machine has a service that hands out the credentials of its role.
@@ -164,7 +177,9 @@ fn s3(bucket: &str) -> Result<Opened, Unready> {
         }
     }
     // Variables go before a profile, as with the service's own tools.
-    let unready = |problem: String, looked_at: &[String]| Unready { problem, looked_at: listed(looked_at) };
+    let keys = ["AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"];
+    let unready =
+        |problem: String, looked_at: &[String]| Unready { problem, credentials: listed(looked_at, &keys) };
     let profile = Profile::read().map_err(|problem| unready(problem, &looked_at))?;
     if let Some(profile) = &profile {
         looked_at.push(format!("profile `{}` of {}", profile.name, profile.files.join(" and ")));
@@ -184,24 +199,38 @@ fn s3(bucket: &str) -> Result<Opened, Unready> {
         AmazonS3ConfigKey::MetadataEndpoint,
         AmazonS3ConfigKey::SkipSignature,
     ];
-    if !has_keys && !others.iter().any(|key| given.contains(key)) && !has_instance_role("169.254.169.254") {
-        return Err(unready("there are no credentials".into(), &looked_at));
+    let mut usual: &[&str] = &[];
+    if !has_keys && !others.iter().any(|key| given.contains(key)) {
+        if !has_instance_role("169.254.169.254") {
+            return Err(unready("there are no credentials".into(), &looked_at));
+        }
+        usual = &keys;
+        looked_at.push(
+            "no key, so this machine's role was asked (AWS_EC2_METADATA_DISABLED=true leaves it out)".into(),
+        );
     }
+    // The one for S3 goes before the one for all services.
+    let endpoint = [AmazonS3ConfigKey::S3Endpoint, AmazonS3ConfigKey::Endpoint]
+        .iter()
+        .find_map(|key| builder.get_config_value(key));
     // Servers of one's own need not speak TLS.
-    let endpoint = |key| builder.get_config_value(&key).is_some_and(|url: String| url.starts_with("http://"));
-    if endpoint(AmazonS3ConfigKey::Endpoint) || endpoint(AmazonS3ConfigKey::S3Endpoint) {
+    if endpoint.as_ref().is_some_and(|url| url.starts_with("http://")) {
         builder = builder.with_allow_http(true);
     }
     // Objects are removed one by one: not every server can do several at once.
     let builder = builder.with_bucket_name(bucket).with_retry(retries()).with_disable_bulk_delete(true);
     match builder.build() {
-        Ok(service) => Ok((Arc::new(service), listed(&looked_at))),
+        Ok(service) => {
+            let endpoint = endpoint.map(|url| endpoint_shown(&url));
+            Ok((Arc::new(service), Access { endpoint, credentials: listed(&looked_at, usual) }))
+        }
         Err(e) => Err(unready(e.to_string(), &looked_at)),
     }
 }
 
 fn azure(container: &str) -> Result<Opened, Unready> {
-    let looked_at = listed(&variables(&["AZURE_"]));
+    let usual = ["AZURE_STORAGE_ACCOUNT_NAME", "AZURE_STORAGE_ACCOUNT_KEY"];
+    let credentials = listed(&variables(&["AZURE_"]), &usual);
     let mut builder = MicrosoftAzureBuilder::from_env().with_client_options(client());
     let given = |key: AzureConfigKey| builder.get_config_value(&key);
     let is_emulated = given(AzureConfigKey::UseEmulator).is_some_and(|value: String| value == "true");
@@ -217,29 +246,33 @@ fn azure(container: &str) -> Result<Opened, Unready> {
     if !is_emulated && !is_open && keys.into_iter().all(|key| given(key).is_none()) {
         let has_account = given(AzureConfigKey::AccountName).is_some();
         if !has_account || !has_instance_role("169.254.169.254") {
-            return Err(Unready { problem: "there are no credentials".into(), looked_at });
+            return Err(Unready { problem: "there are no credentials".into(), credentials });
         }
     }
-    if is_emulated || given(AzureConfigKey::Endpoint).is_some_and(|url: String| url.starts_with("http://")) {
+    let endpoint = given(AzureConfigKey::Endpoint);
+    if is_emulated || endpoint.as_ref().is_some_and(|url| url.starts_with("http://")) {
         builder = builder.with_allow_http(true);
     }
     let built = builder.with_container_name(container).with_retry(retries()).build();
     match built {
-        Ok(service) => Ok((Arc::new(service), looked_at)),
-        Err(e) => Err(Unready { problem: e.to_string(), looked_at }),
+        Ok(service) => {
+            let endpoint = endpoint.map(|url| endpoint_shown(&url));
+            Ok((Arc::new(service), Access { endpoint, credentials }))
+        }
+        Err(e) => Err(Unready { problem: e.to_string(), credentials }),
     }
 }
 
 fn google(bucket: &str) -> Result<Opened, Unready> {
-    let looked_at = listed(&variables(&["GOOGLE_"]));
+    let credentials = listed(&variables(&["GOOGLE_"]), &["GOOGLE_APPLICATION_CREDENTIALS"]);
     let built = GoogleCloudStorageBuilder::from_env()
         .with_client_options(client())
         .with_bucket_name(bucket)
         .with_retry(retries())
         .build();
     match built {
-        Ok(service) => Ok((Arc::new(service), looked_at)),
-        Err(e) => Err(Unready { problem: e.to_string(), looked_at }),
+        Ok(service) => Ok((Arc::new(service), Access { endpoint: None, credentials })),
+        Err(e) => Err(Unready { problem: e.to_string(), credentials }),
     }
 }
 

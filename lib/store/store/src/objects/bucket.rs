@@ -10,7 +10,7 @@ use object_store::path::Path;
 use object_store::{ObjectMeta, ObjectStore, ObjectStoreExt, PutMode, PutOptions, PutPayload, UpdateVersion};
 use tokio::sync::Semaphore;
 
-use super::failure::Failure;
+use super::failure::{Access, Failure};
 use super::ranges::Ranges;
 use super::runtime::{patience, read, wait};
 use super::upload::{UNDER_WAY, Upload};
@@ -30,8 +30,7 @@ pub struct Objects {
     parts: Arc<Semaphore>,
     /// What is open: who reads the same object shares what was fetched of it.
     opened: Mutex<BTreeMap<Path, Weak<Ranges>>>,
-    /// Names of the variables and files that gave credentials, for messages.
-    credentials: Arc<str>,
+    access: Arc<Access>,
 }
 
 impl Objects {
@@ -39,13 +38,14 @@ impl Objects {
     #[must_use]
     pub fn new(service: Arc<dyn ObjectStore>, bucket: &str, folder: &str) -> Self {
         let (bucket, folder) = (bucket.to_owned(), folder.to_owned());
-        let (parts, credentials) = (Arc::new(Semaphore::new(UNDER_WAY)), "what the program gave".into());
-        Self { service, bucket, folder, parts, opened: Mutex::default(), credentials }
+        let parts = Arc::new(Semaphore::new(UNDER_WAY));
+        let access = Access { endpoint: None, credentials: "the program gave credentials".into() };
+        Self { service, bucket, folder, parts, opened: Mutex::default(), access: access.into() }
     }
 
-    /// Says where credentials were looked for.
-    pub(crate) fn let_in_by(self, credentials: &str) -> Self {
-        Self { credentials: credentials.into(), ..self }
+    /// Says how the service is reached, for messages.
+    pub(crate) fn reached_by(self, access: Access) -> Self {
+        Self { access: access.into(), ..self }
     }
 
     /// Where a key lies in the bucket.
@@ -73,13 +73,13 @@ impl Objects {
     }
 
     fn read_failed(&self, key: &str, action: &'static str) -> impl Fn(Failure) -> StoreError + Send + use<> {
-        let (location, credentials) = (self.location(key), Arc::clone(&self.credentials));
-        move |failure| failure.into_store(location.clone(), action, false, &credentials)
+        let (location, access) = (self.location(key), Arc::clone(&self.access));
+        move |failure| failure.into_store(location.clone(), action, false, &access)
     }
 
     fn write_failed(&self, key: &str, action: &'static str) -> impl Fn(Failure) -> StoreError + Send + use<> {
-        let (location, credentials) = (self.location(key), Arc::clone(&self.credentials));
-        move |failure| failure.into_store(location.clone(), action, true, &credentials)
+        let (location, access) = (self.location(key), Arc::clone(&self.access));
+        move |failure| failure.into_store(location.clone(), action, true, &access)
     }
 
     /// A whole object and its version, or `None` when there is none.

@@ -22,6 +22,15 @@ pub(super) enum Failure {
     Refused(String),
 }
 
+/// How a service is reached and who is let in, for messages: names, never values.
+#[derive(Debug)]
+pub(crate) struct Access {
+    /// Where variables or a profile say that the service is.
+    pub(crate) endpoint: Option<String>,
+    /// What was found that lets somebody in.
+    pub(crate) credentials: String,
+}
+
 impl From<io::Error> for Failure {
     fn from(error: io::Error) -> Self {
         Self::Away(error)
@@ -51,22 +60,25 @@ impl From<Answer> for Failure {
 }
 
 impl Failure {
-    /// As an error of reading or writing `location`, for whoever was let in by `credentials` (names, no
-    /// values).
+    /// As an error of reading or writing `location` of a service.
     pub(super) fn into_store(
         self,
         location: String,
         action: &'static str,
         writes: bool,
-        credentials: &str,
+        access: &Access,
     ) -> StoreError {
+        let at_endpoint = |source: io::Error| match &access.endpoint {
+            Some(endpoint) => io::Error::new(source.kind(), format!("{endpoint}: {source}")),
+            None => source,
+        };
         match self {
-            Self::Away(source) if writes => StoreError::write(location, action, source),
-            Self::Away(source) => StoreError::Read { path: location, action, source },
+            Self::Away(source) if writes => StoreError::write(location, action, at_endpoint(source)),
+            Self::Away(source) => StoreError::Read { path: location, action, source: at_endpoint(source) },
             Self::Absent => StoreError::Missing { path: location },
             Self::Conflict => StoreError::Contested { path: location },
             Self::Refused(told) => {
-                let problem = format!("the service refuses: {told} (looked at: {credentials})");
+                let problem = format!("the service refuses: {told} ({})", access.credentials);
                 StoreError::Refused { path: location, action, problem }
             }
         }
@@ -114,11 +126,16 @@ fn told(answer: &Answer) -> String {
         Some(rest.split_once('<')?.0.trim().to_owned())
     };
     match (field("Code"), field("Message")) {
-        (Some(code), Some(message)) if code != "SignatureDoesNotMatch" => {
-            let first = message.lines().next().unwrap_or_default();
-            format!("{code}: {first}")
+        (Some(code), _) if code == "SignatureDoesNotMatch" => {
+            format!("{code}: the secret does not fit the key")
         }
-        (Some(code), _) => code,
+        (Some(code), message) => {
+            let message = message.unwrap_or_default();
+            let first = message.lines().next().filter(|line| !line.is_empty());
+            let no_bucket = ["NoSuchBucket", "ContainerNotFound"].contains(&code.as_str());
+            let cure = no_bucket.then_some("make the bucket first, it is not made by itself");
+            [Some(code.as_str()), first, cure].into_iter().flatten().collect::<Vec<_>>().join(": ")
+        }
         // The innermost cause says most; a body that is no XML is left out.
         _ => {
             let last = chain.iter().rev().find(|text| !text.is_empty()).map_or("", String::as_str);
@@ -140,12 +157,18 @@ mod tests {
         let body = "Server returned non-2xx status code: 403 Forbidden: <Error><Code>SignatureDoesNotMatch\
             </Code><Message>The request signature</Message><AWSAccessKeyId>AKIAEXAMPLE</AWSAccessKeyId></Error>";
         let Failure::Refused(told) = generic(body) else { panic!("is refused") };
-        assert_eq!(told, "SignatureDoesNotMatch");
+        assert_eq!(told, "SignatureDoesNotMatch: the secret does not fit the key");
         let body = "Server returned non-2xx status code: 404 Not Found: <Error><Code>NoSuchBucket</Code>\
             <Message>The specified bucket does not exist</Message></Error>";
         let answer = Answer::NotFound { path: "a".into(), source: body.into() };
         let Failure::Refused(told) = answer.into() else { panic!("is refused") };
-        assert_eq!(told, "NoSuchBucket: The specified bucket does not exist");
+        let cure = "make the bucket first, it is not made by itself";
+        assert_eq!(told, format!("NoSuchBucket: The specified bucket does not exist: {cure}"));
+        let access = Access { endpoint: Some("http://127.0.0.1:9000".into()), credentials: String::new() };
+        let refused = io::Error::new(io::ErrorKind::ConnectionRefused, "Connection refused");
+        let error = Failure::Away(refused).into_store("s3://set/a".into(), "read", false, &access);
+        let StoreError::Read { source, .. } = error else { panic!("is read") };
+        assert_eq!(source.to_string(), "http://127.0.0.1:9000: Connection refused");
     }
 
     #[test]
