@@ -78,7 +78,7 @@ help-all:
 	@echo "make export FORMAT=kitti|mcap|nuscenes|opv2v|v2x-real|simbev2x DEST=folder [STORE=dataset] [SCENES=] [SPLIT=] [ARGS=]    (docs/exports.md; ARGS=--dry-run first)"
 	@echo "make import SRC=folder [STORE=dataset] [SCENES=0,3-5] [ARGS=--dry-run]       (a dataset of SimBEV2X as a store: docs/import.md)"
 	@echo "make evaluate PREDICTIONS=file.parquet [MASKS=folder] [STORE=dataset] [SCENES=] [SPLIT=] [EVERY=10] [OUT=scores.parquet] (docs/evaluation.md)"
-	@echo "make benchmark [DEST=benchmark] [TORCH=cpu|cuda] [JOBS=n]  (data, cooperative models, scores, docs/benchmark.md: docs/python.md)"
+	@echo "make benchmark [DEST=benchmark] [TORCH=cpu|cuda] [JOBS=n]  (data, cooperative models, scores, docs/results.md: docs/python.md; SEEDS=0 MODELS=a,b: a part of it)"
 	@echo "make check-devkit [STORE=dataset] [SCENES=0,1] [DEST=pictures]    (nuscenes-devkit on an export of it)"
 	@echo "make train-check TRAINER=opencood|heal|v2x-real|mmdet3d|openpcdet [CHECKOUT=folder] [STEPS=200] [HYPES=file] [PYTHON=python3] (docs/trainers.md)"
 	@echo "make view [STORE=dataset] [PORT=n]  (plays the scenes of a store in the browser)"
@@ -136,13 +136,14 @@ evaluate: build
 	$(BIN)/evaluate $(if $(PREDICTIONS),--predictions $(PREDICTIONS)) $(if $(MASKS),--bev-masks $(MASKS)) --store $(STORE) $(SCENES_ARG) $(if $(SPLIT),--split $(SPLIT)) $(EVERY_ARG) \
 		$(THREADS_ARG) $(if $(OUT),--out $(OUT)) $(ARGS)
 
-# Makes data, trains models without and with cooperation, scores them and writes docs/benchmark.md. Started again, it goes on. The
-# Python that runs it needs PyTorch: make benchmark [PYTHON=python3] [BENCHMARK=python/baseline/benchmark.toml] [STORE=benchmark-store]
-# [DEST=benchmark] [PAGE=docs/benchmark.md]; python/baseline/benchmark-gpu.toml is the large one.
+# Makes data, trains models without and with cooperation, scores them, and makes docs/results.md of all runs in docs/results. Started
+# again, it goes on. The Python that runs it needs PyTorch: make benchmark [PYTHON=python3] [BENCHMARK=python/baseline/benchmark.toml]
+# [STORE=benchmark-store] [DEST=benchmark] [SEEDS=0,1] [MODELS=bevfusion-l,coopdet3d-l] [PAGE=docs/results.md] [ARGS=--forecast].
 benchmark: build
 	PYTHONPATH=python/src:python/baseline/src $(PYTHON) -m convoy_baseline.benchmark --plan $(BENCHMARK) \
-		--store $(if $(filter file,$(origin STORE)),benchmark-store,$(STORE)) --out $(or $(DEST),benchmark) --page $(or $(PAGE),docs/benchmark.md) \
-		--program $(BIN)/convoy --device $(TORCH) $(THREADS_ARG) $(if $(WORKERS),--workers $(WORKERS))
+		--store $(if $(filter file,$(origin STORE)),benchmark-store,$(STORE)) --out $(or $(DEST),benchmark) --page $(or $(PAGE),docs/results.md) \
+		--program $(BIN)/convoy --device $(TORCH) $(THREADS_ARG) $(if $(WORKERS),--workers $(WORKERS)) \
+		$(if $(SEEDS),--seeds $(SEEDS)) $(if $(MODELS),--models $(MODELS)) $(ARGS)
 
 # A finished store in a layout of other people's loaders: make export FORMAT=kitti DEST=folder [SCENES=0,3-5] [SPLIT=train] [ARGS=--dry-run]
 export: build

@@ -1,4 +1,4 @@
-"""Training and predicting on a small store: resumed runs, what predictions are, and scores beside those of the rule written out."""
+"""Training and predicting on a small store: resumed runs, what predictions are, and the files that `evaluate` reads."""
 
 import os
 import pathlib
@@ -16,12 +16,13 @@ from convoy_baseline.benchmark.plan import read as plan_of
 from convoy_baseline.checkpoint import load, model_of
 from convoy_baseline.conditions import Condition, links_under
 from convoy_baseline.examples import example
+from convoy_baseline.found import Found, MaskWriter, Writer
 from convoy_baseline.frames import Keyframes
+from convoy_baseline.grid import Grid
 from convoy_baseline.inputs import gathered
 from convoy_baseline.loss import loss
 from convoy_baseline.model import Model
-from convoy_baseline.predict import Found, Writer, predict
-from convoy_baseline.score import THRESHOLDS_M, Tally
+from convoy_baseline.predict import predict
 from convoy_baseline.settings import Settings, parse, read
 from convoy_baseline.train import order, rate_at, train
 
@@ -52,14 +53,58 @@ class Runs(unittest.TestCase):
 
     def test_plans_hold_each_model_against_one_of_its_own_sensors(self):
         folder = pathlib.Path(__file__).resolve().parents[1]
-        for name, models in (("benchmark.toml", 2), ("benchmark-gpu.toml", 9)):
+        for name, models in (("benchmark.toml", 3), ("benchmark-gpu.toml", 9), ("benchmark-full.toml", 18)):
             plan = plan_of(folder / name)
             self.assertTrue(plan.config.is_file(), plan.config)
             self.assertEqual(len(plan.entries), models)
-            for entry, rival in plan.pairs:
+            for entry in plan.entries:
+                if entry.mode == "none":
+                    continue
+                rival = plan.entry(entry.rival)
                 self.assertEqual((entry.mode, rival.mode), ("x2x", "none"))
                 self.assertEqual(entry.settings.sensors, rival.settings.sensors)
                 self.assertEqual(entry.settings.steps, rival.settings.steps)
+                self.assertEqual(entry.settings.tasks, rival.settings.tasks)
+
+    def test_a_part_of_a_plan_is_chosen_and_what_is_not_there_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            small = pathlib.Path(__file__).resolve().parents[1] / "configs" / "models" / "small"
+            path = pathlib.Path(folder, "some.toml")
+            models = f"""
+[[models]]
+settings = "{small}/bevfusion-l.toml"
+curve = true
+[[models]]
+settings = "{small}/coopdet3d-l.toml"
+curve = true
+spoilt = true
+start = "bevfusion-l"
+"""
+            beginning = (
+                'config = "x.toml"\nseeds = [4, 5]\nshares = [0.5, 1.0]\nspoilt_steps = 9\nspoilt = ["mirrored"]\n'
+            )
+            path.write_text(beginning + models)
+            plan = plan_of(path)
+            names = [f"{entry.name} {seed}" for entry, seed in plan.runs(None, ["coopdet3d-l"])]
+            self.assertEqual(
+                names,
+                [
+                    "coopdet3d-l 4", "coopdet3d-l-1of2 4", "coopdet3d-l-labels-right 4", "coopdet3d-l-labels-mirrored 4",
+                    "coopdet3d-l 5",
+                ],
+            )  # fmt: skip
+            self.assertEqual(plan.entry("coopdet3d-l-1of2").rival, "bevfusion-l-1of2")
+            self.assertEqual(plan.entry("coopdet3d-l-labels-mirrored").settings.steps, 9)
+            with self.assertRaisesRegex(ValueError, "no models: coop; expected some of bevfusion-l, coopdet3d-l"):
+                plan.runs(None, ["coop"])
+            for wrong, fault in (
+                ("shares = [0.4]", "expected 1 / n"),
+                ("share = [0.5]", "no such keys: share"),
+                ('spoilt_steps = 9\nspoilt = ["sour"]', "sour"),
+            ):
+                path.write_text(f'config = "x.toml"\nseeds = [4]\n{wrong}\n{models}')
+                with self.assertRaisesRegex(ValueError, fault):
+                    plan_of(path)
 
     def test_every_epoch_has_every_keyframe_once_and_begins_anywhere(self):
         whole = list(order(7, 2, 5, 0, 12))
@@ -187,8 +232,8 @@ class Store(unittest.TestCase):
             self.assertLess(abs(masks[1].numpy() - found["x2x", keyframe.number, 1].masks).max(), 1e-5)
 
 
-@unittest.skipUnless(STORE, "a store, for scores")
-class Scores(unittest.TestCase):
+@unittest.skipUnless(STORE, "a store, for files of predictions")
+class Files(unittest.TestCase):
     """Made-up finds, near the truth and not, on a store's targets."""
 
     @classmethod
@@ -206,74 +251,48 @@ class Scores(unittest.TestCase):
                 by_score = np.argsort(-scores, kind="stable")
                 cls.finds.append(
                     Found(Condition("x2x", "x2x"), keyframe, ego, 2, boxes[by_score], truth.labels[again][by_score],
-                          scores[by_score].astype(np.float32), np.random.default_rng(i).random(truth.masks.shape))
+                          scores[by_score].astype(np.float32), np.random.default_rng(i).random(truth.masks.shape, np.float32))
                 )  # fmt: skip
 
-    def test_perfect_finds_score_one_and_none_nought(self):
-        for perfect in (True, False):
-            tally = Tally(SMALL.classes, None)
-            for found in self.finds:
-                truth = found.keyframe.truths[found.ego]
-                count = len(truth.boxes) if perfect else 0
-                labels, scores = truth.labels[:count], np.ones(count)
-                tally.take(
-                    replace(found, boxes=truth.boxes[:count], labels=labels, scores=scores, masks=truth.masks), False
-                )
-            for subset in ("all", "hard", "seen by the ego", "beyond 40 m", "partner in range"):
-                if tally.target_count(subset):
-                    self.assertEqual(tally.mean_precision(subset), 1.0 if perfect else 0.0, subset)
-            self.assertIsNone(tally.mean_precision("no partner in range"))
-            self.assertEqual(tally.overlap(0), 1.0)
+    def test_an_ego_that_found_nothing_is_named(self):
+        writer, nothing = Writer(SMALL.classes), np.zeros(0)
+        first = self.finds[0]
+        writer.take(first)
+        writer.take(replace(first, boxes=np.zeros((0, 9)), labels=nothing.astype(int), scores=nothing))
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "predictions.parquet")
+            writer.write(path)
+            rows = pq.read_table(path).to_pylist()
+        self.assertEqual(len(rows), 61)
+        self.assertEqual({rows[60][name] for name in ("class", "score", "size_m")}, {None})
+        self.assertEqual((rows[60]["frame"], rows[60]["agent"]), (first.keyframe.number, first.agent))
 
-    def test_precision_of_parts_is_what_the_rule_says(self):
-        grid = SMALL.grid
-        for inside in (None, grid):
-            tally = Tally(SMALL.classes, inside)
-            for found in self.finds:
-                tally.take(found, False)
-            for subset in ("all", "easy", "medium", "hard", "seen by the ego", "seen by partners only"):
-                for threshold in THRESHOLDS_M:
-                    self.check(tally, inside, subset, threshold)
-
-    def check(self, tally, inside, subset, threshold):
-        for label in range(len(SMALL.classes)):
-            rows, wanted = [], 0
-            for found in self.finds:
-                number = found.keyframe.scene, found.ego, found.keyframe.number
-                truth = found.keyframe.truths[found.ego]
-                targets = [
-                    t
-                    for t in range(len(truth.boxes))
-                    if truth.labels[t] == label and (inside is None or max(abs(truth.boxes[t, :2])) < inside.half_m)
-                ]
-
-                def belongs(t, truth=truth):
-                    levels = {"easy": 0, "medium": 1, "hard": 2}
-                    if subset in levels:
-                        return truth.difficulty[t] == levels[subset]
-                    return subset == "all" or truth.seen_by_ego[t] == (subset == "seen by the ego")
-
-                wanted += sum(belongs(t) for t in targets)
-                mine = [i for i in range(60) if found.labels[i] == label][: 100 if label == 0 else 20]
-                for rank, i in enumerate(mine):
-                    apart = [np.linalg.norm(found.boxes[i, :3] - truth.boxes[t, :3].astype(float)) for t in targets]
-                    verdict = False
-                    if apart and min(apart) <= threshold:
-                        hit = targets.pop(int(np.argmin(apart)))
-                        verdict = True if belongs(hit) else None
-                    rows.append((-found.scores[i], number, rank, verdict))
-            rows = [row for row in sorted(rows, key=lambda row: row[:3]) if row[3] is not None]
-            right, area, last = 0, 0.0, (0.0, 1.0)
-            for count, row in enumerate(rows, 1):
-                right += row[3]
-                if right / count >= 0.1:
-                    here = (right / wanted if wanted else 0, right / count)
-                    area += (here[0] - last[0]) * (here[1] + last[1]) / 2
-                    last = here
-            value = tally.average_precision(label, threshold, subset)
-            self.assertEqual(value is None, wanted == 0)
-            if wanted:
-                self.assertAlmostEqual(value, area, places=9, msg=f"{subset} {threshold}")
+    def test_masks_reach_the_thresholds_that_they_reached(self):
+        grids = (SMALL.mask_grid, replace(SMALL, mask_cells=50, mask_cell_m=1.5).mask_grid)
+        for grid in grids:
+            draw, finds = np.random.default_rng(1), []
+            with tempfile.TemporaryDirectory() as folder:
+                writer = MaskWriter(pathlib.Path(folder), grid, 0.4)
+                for found in self.finds:
+                    masks = draw.random((3, grid.cells, grid.cells), np.float32)
+                    masks[:, :2, :5] = np.float32([0.1, 0.3, 0.7, 0.9, 1.0])
+                    finds.append(replace(found, masks=masks))
+                    writer.take(finds[-1])
+                writer.close()
+                for found in finds:
+                    path = pathlib.Path(folder, "x2x", f"{found.keyframe.scene:04d}", f"{found.agent}.npz")
+                    with np.load(path) as archive:
+                        cell_m, written = float(archive["cell_m"]), archive[f"{found.keyframe.number:04d}"]
+                    self.assertEqual((written.dtype, cell_m), (np.uint8, 1.6 if grid is grids[0] else 0.4))
+                    told = written.astype(np.float32) / np.float32(255)
+                    # What is at the middle of each cell that was written.
+                    fine = Grid(written.shape[1], cell_m)
+                    row, column = grid.cell_of(
+                        np.stack(fine.center_of(*np.mgrid[0 : fine.cells, 0 : fine.cells]), axis=-1)
+                    )
+                    for k in range(1, 10):
+                        at = np.float32(k) / np.float32(10)
+                        self.assertTrue(np.array_equal(told >= at, found.masks[:, row, column] >= at), (cell_m, k))
 
     def test_rows_stand_in_the_world(self):
         writer = Writer(SMALL.classes)

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Pages that a program writes as a whole.
-const WRITTEN: [&str; 2] = ["docs/benchmark.md", "docs/gallery/README.md"];
+const WRITTEN: [&str; 2] = ["docs/results.md", "docs/gallery/README.md"];
 /// Columns of prose. Tables, examples and pictures may be wider.
 const WIDTH: usize = 130;
 /// Below it a page is generated; the texts of the code have widths of their own.

@@ -37,6 +37,8 @@ class Run:
     """Steps that are done."""
     seconds: float
     """Time that they took."""
+    share: float = 1.0
+    """Which part of the scenes it learns from."""
 
     @property
     def done(self) -> bool:
@@ -46,7 +48,7 @@ class Run:
     def identity(self) -> dict[str, Any]:
         """What may not differ where a run goes on."""
         known = dataclasses.asdict(self)
-        return {name: known[name] for name in ("settings", "mode", "seed", "spoil", "began_from", "masks")}
+        return {name: known[name] for name in ("settings", "mode", "seed", "spoil", "began_from", "masks", "share")}
 
 
 class WrongVersion(ValueError):

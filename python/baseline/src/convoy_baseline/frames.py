@@ -83,10 +83,13 @@ class Keyframes(Dataset[Keyframe]):
     """All keyframes of a split. Whoever reads without workers keeps what was read once: 50 kB of each agent and 230 kB more of each ego
     at 128 x 128 cells, 86 kB of each picture of 128 x 224 pixels."""
 
-    def __init__(self, dataset: convoy.Dataset, split: str, settings: Settings, keep: bool = True) -> None:
+    def __init__(
+        self, dataset: convoy.Dataset, split: str, settings: Settings, keep: bool = True, share: float = 1.0
+    ) -> None:
+        """Of the scenes only a `share` of 1 / n is taken: every n-th, so that all towns are among them."""
         self.dataset, self.settings, self.keep = dataset, settings, keep
         self.keys: list[Key] = []
-        for scene in dataset.scenes(split, STAGES):
+        for scene in dataset.scenes(split, STAGES)[:: every_nth(share)]:
             step = math.lcm(settings.every, scene.label_every_n_frames)
             self.keys += [(scene.number, frame) for frame in range(0, scene.frames, step)]
         if not self.keys:
@@ -113,6 +116,12 @@ class Keyframes(Dataset[Keyframe]):
         scene, frame = self.keys[0]
         moment = self.dataset.scene(scene).frame(frame)
         return moment.agent(moment.agents[0]).bev().classes
+
+    def mask_cell_m(self) -> float:
+        """Cells of the store's masks."""
+        scene, frame = self.keys[0]
+        moment = self.dataset.scene(scene).frame(frame)
+        return float(moment.agent(moment.agents[0]).bev().cell_m)
 
     def present(self) -> Array:
         """(keyframes, K) bool: which of the model's classes have a box in each."""
@@ -148,12 +157,19 @@ class Keyframes(Dataset[Keyframe]):
         )
 
 
-def truth(frame: convoy.Frame, ego: str, settings: Settings, itself: bool = False) -> Truth:
-    """What the ego has to find: objects that it or anybody in its communication range has seen, whatever the mode. The ego `itself` is
-    none of them, but SimBEV2X's rule counts it where others have seen it."""
+def every_nth(share: float) -> int:
+    """The n of a share of 1 / n."""
+    if not 0 < share <= 1 or abs(1 / share - round(1 / share)) > 1e-6:
+        raise ValueError(f"share {share}: expected 1 / n, such as 0.125")
+    return round(1 / share)
+
+
+def truth(frame: convoy.Frame, ego: str, settings: Settings) -> Truth:
+    """What the ego has to find: objects that it or anybody in its communication range has seen, whatever the mode. The ego itself is
+    one of them only if settings want it."""
     agent = frame.agent(ego)
     boxes = agent.boxes()
-    boxes = boxes if itself else boxes[boxes.id != agent.id]
+    boxes = boxes if settings.itself else boxes[boxes.id != agent.id]
     seen = frame.cooperative(ego, "x2x", settings.comm_range_m, settings.elevation_m).seen_by(boxes.id)
     number = np.array([settings.classes.index(c) if c in settings.classes else -1 for c in (*convoy.CLASSES, "")])
     labels = number[boxes.label]

@@ -31,7 +31,7 @@ STEP_M, LIGHT_STEP, AGE_STEP_S = 1 / 256, 1 / 16384, 0.001
 """Points are i16: x, y and z within 128 m, intensity, and age in these steps."""
 KEYS = (
     "cells", "cell_m", "mask_cells", "mask_cell_m", "sensors", "beams", "sweeps", "picture_height", "picture_width", "keeps_points",
-    "augment", "classes", "every", "comm_range_m", "elevation_m",
+    "augment", "classes", "every", "itself", "comm_range_m", "elevation_m",
 )  # fmt: skip
 """Settings that a pack depends on."""
 
@@ -160,9 +160,11 @@ def restored(points: Array) -> Array:
 class Packed(Dataset[Keyframe]):
     """Keyframes of a pack, as `Keyframes` has them of a store; points to a 512th of a metre."""
 
-    def __init__(self, dataset: convoy.Dataset, split: str, settings: Settings, pack: pathlib.Path) -> None:
+    def __init__(
+        self, dataset: convoy.Dataset, split: str, settings: Settings, pack: pathlib.Path, share: float = 1.0
+    ) -> None:
         self.settings, self.pack = settings, pack
-        of_store = Keyframes(dataset, split, settings, keep=False)
+        of_store = Keyframes(dataset, split, settings, keep=False, share=share)
         self.keys = of_store.keys
         self._of_store = of_store
         for scene in sorted({scene for scene, _ in self.keys}):
@@ -244,6 +246,21 @@ def _masks(packed_bits: Array, shape: list[int]) -> Array:
     return flat.view(bool).reshape(shape)
 
 
+def pack_split(store: str, split: str, settings: Settings, pack: pathlib.Path, workers: int) -> tuple[int, int]:
+    """Packs all scenes of a split that are not packed yet: how many keyframes it has, and how many bytes were written."""
+    keyframes = Keyframes(convoy.Dataset(store), split, settings, keep=False)
+    scenes = sorted({scene for scene, _ in keyframes.keys})
+    pack.mkdir(parents=True, exist_ok=True)
+    work = functools.partial(pack_scene, store, split, settings, pack)
+    count = size = 0
+    with multiprocessing.get_context("spawn").Pool(min(workers, len(scenes))) as pool:
+        for scene, (frames, written) in zip(scenes, pool.imap(work, scenes), strict=True):
+            if written:
+                print(f"scene {scene}: {frames} keyframes, {written / 1e6:.1f} MB", flush=True)
+            count, size = count + frames, size + written
+    return count, size
+
+
 def main(arguments: list[str] | None = None) -> int:
     """The program."""
     parser = argparse.ArgumentParser(
@@ -257,18 +274,8 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     try:
         settings = read(options.settings) if options.settings else Settings()
-        keyframes = Keyframes(convoy.Dataset(options.store), options.split, settings, keep=False)
-        scenes = sorted({scene for scene, _ in keyframes.keys})
-        options.out.mkdir(parents=True, exist_ok=True)
-        work = functools.partial(pack_scene, options.store, options.split, settings, options.out)
-        began, count, size = time.monotonic(), 0, 0
-        with multiprocessing.get_context("spawn").Pool(min(options.workers, len(scenes))) as pool:
-            for scene, (frames, written) in zip(scenes, pool.imap(work, scenes), strict=True):
-                print(
-                    f"scene {scene}: {frames} keyframes, {written / 1e6:.1f} MB{'' if written else ', kept'}",
-                    flush=True,
-                )
-                count, size = count + frames, size + written
+        began = time.monotonic()
+        count, size = pack_split(options.store, options.split, settings, options.out, options.workers)
     except (convoy.StoreError, ValueError, OSError) as fault:
         print(f"error: {fault}", file=sys.stderr)
         return 1

@@ -1,27 +1,24 @@
 """Predicts with a trained model: python -m convoy_baseline.predict --store dataset --model model.pt --out predictions.parquet
 
-The file is one that `evaluate` reads, with a row for every box, ego and mode.
+The file is one that `evaluate` reads, with a row for every box, ego and mode; `--masks` names a folder for masks, likewise.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
 import pathlib
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import convoy
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 import torch
 
 from convoy_baseline.batch import Link, wired
 from convoy_baseline.checkpoint import Run, model_of
 from convoy_baseline.conditions import Condition, links_under
 from convoy_baseline.examples import raster_grid, wired_views
+from convoy_baseline.found import Found, MaskWriter, Writer
 from convoy_baseline.frames import Keyframe, Keyframes, View
 from convoy_baseline.grid import Array
 from convoy_baseline.inputs import gathered
@@ -32,26 +29,6 @@ from convoy_baseline.traffic import Boxes, bytes_of, together
 MOST = 200
 LEAST_SCORE = 0.03
 """How many boxes of an ego are kept, and how sure they must be."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """What an ego found under a condition."""
-
-    condition: Condition
-    keyframe: Keyframe
-    ego: int
-    """Which of the keyframe's egos."""
-    partners: int
-    """How many it heard."""
-    boxes: Array
-    """(N, 9) in its frame."""
-    labels: Array
-    scores: Array
-    masks: Array
-    """(C, H, W) f32, 0 to 1."""
-    bytes_heard: int = 0
-    """What all its partners sent of this frame."""
 
 
 def predict(
@@ -144,50 +121,6 @@ class Looked:
         return sent
 
 
-class Writer:
-    """Collects predictions as rows in the world."""
-
-    def __init__(self, classes: Sequence[str]) -> None:
-        self.classes = classes
-        self.parts: list[pa.Table] = []
-        self.heard: dict[str, tuple[int, int, int]] = {}
-        """Of each condition: samples, partners and bytes heard."""
-
-    def take(self, found: Found) -> None:
-        """Adds them."""
-        samples, partners, sent = self.heard.get(found.condition.name, (0, 0, 0))
-        self.heard[found.condition.name] = samples + 1, partners + found.partners, sent + found.bytes_heard
-        view = found.keyframe.views[found.keyframe.egos[found.ego]]
-        boxes = found.boxes.astype(np.float64)
-        count = len(boxes)
-        world = view.world_from_agent
-        half = (boxes[:, 6] + np.arctan2(world[1, 0], world[0, 0])) / 2
-        columns = {
-            "scene": pa.array(np.full(count, found.keyframe.scene, np.uint32)),
-            "frame": pa.array(np.full(count, found.keyframe.number, np.uint32)),
-            "agent": pa.array([view.agent] * count, pa.string()),
-            "mode": pa.array([found.condition.mode] * count, pa.string()),
-            "class": pa.array([self.classes[label] for label in found.labels], pa.string()),
-            "score": pa.array(found.scores.astype(np.float32)),
-            "center_m": lists(boxes[:, :3] @ world[:3, :3].T + world[:3, 3]),
-            "size_m": lists(boxes[:, 3:6]),
-            "quaternion": lists(np.column_stack([np.cos(half), 0 * half, 0 * half, np.sin(half)])),
-            "velocity_mps": lists(np.column_stack([boxes[:, 7:9], 0 * half]) @ world[:3, :3].T),
-        }
-        self.parts.append(pa.table(columns))
-
-    def write(self, path: pathlib.Path) -> None:
-        """Writes them, replacing what is there as a whole."""
-        beside = path.with_name(path.name + ".new")
-        pq.write_table(pa.concat_tables(self.parts), beside, compression="zstd")
-        os.replace(beside, path)
-
-
-def lists(values: Array) -> pa.Array:
-    """A column of rows (N, k)."""
-    return pa.FixedSizeListArray.from_arrays(pa.array(np.ascontiguousarray(values).ravel()), values.shape[1])
-
-
 def opened(store: str, model: pathlib.Path, split: str, device: torch.device) -> tuple[Run, Model, Keyframes]:
     """A model and the keyframes that it is to look at."""
     run, network = model_of(model, device)
@@ -200,6 +133,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--store", required=True)
     parser.add_argument("--model", required=True, type=pathlib.Path, help="a checkpoint of convoy_baseline.train")
     parser.add_argument("--out", required=True, type=pathlib.Path, help="Parquet file")
+    parser.add_argument("--masks", type=pathlib.Path, help="a folder for masks (default: they are not written)")
     parser.add_argument("--modes", default="none,x2v,x2i,x2x")
     parser.add_argument("--split", default="test")
     parser.add_argument("--device", default="cpu", choices=("cpu", "cuda"))
@@ -215,8 +149,21 @@ def main(arguments: list[str] | None = None) -> int:
         run, model, keyframes = opened(options.store, options.model, options.split, device)
         writer = Writer(run.settings.classes)
         conditions = [Condition(mode, mode) for mode in modes]
-        predict(model, run.settings, keyframes, conditions, writer.take, device)
+        masks = (
+            None
+            if options.masks is None
+            else MaskWriter(options.masks, run.settings.mask_grid, keyframes.mask_cell_m())
+        )
+
+        def take(found: Found) -> None:
+            writer.take(found)
+            if masks is not None:
+                masks.take(found)
+
+        predict(model, run.settings, keyframes, conditions, take, device)
         writer.write(options.out)
+        if masks is not None:
+            masks.close()
         for name, (samples, partners, sent) in writer.heard.items():
             mean = sent / max(partners, 1)
             print(

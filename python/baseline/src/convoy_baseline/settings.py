@@ -128,6 +128,8 @@ class TrainingSettings:
 
     every: int = 10
     """Keyframes are frames 0, n, 2 n, ..."""
+    itself: bool = False
+    """Whether the ego itself is to be found where others have seen it, as SimBEV2X's metrics want it."""
     steps: int = 2000
     frames_a_step: int = 1
     """Each with all its vehicles as egos."""

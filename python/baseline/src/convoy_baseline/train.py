@@ -73,17 +73,22 @@ def train(
     workers: int = 0,
     start: pathlib.Path | None = None,
     pack: pathlib.Path | None = None,
+    share: float = 1.0,
     stop_after: int | None = None,
+    losses: list[float] | None = None,
     say: bool = True,
 ) -> Run:
     """Trains until all steps are done, or `stop_after` of this call, and keeps the model in `out`. It begins with weights of another
-    checkpoint, `start`, as far as they fit, and reads keyframes of a `pack` if there is one."""
+    checkpoint, `start`, as far as they fit, and reads keyframes of a `pack` if there is one. Of the scenes a `share` of 1 / n is used.
+    The loss of each step is added to `losses`."""
     on = torch.device(device)
     keyframes = (
-        Packed(dataset, split, settings, pack) if pack else Keyframes(dataset, split, settings, keep=workers == 0)
+        Packed(dataset, split, settings, pack, share)
+        if pack
+        else Keyframes(dataset, split, settings, keep=workers == 0, share=share)
     )
     began_from = "" if start is None else digest(start)
-    run = Run(settings, check_mode(mode), seed, spoil, began_from, keyframes.classes(), 0, 0.0)
+    run = Run(settings, check_mode(mode), seed, spoil, began_from, keyframes.classes(), 0, 0.0, share)
     torch.manual_seed(seed)
     model = Model(settings, len(run.masks)).to(on)
     optimiser = torch.optim.AdamW(model.parameters(), lr=settings.rate, weight_decay=settings.weight_decay)
@@ -130,6 +135,8 @@ def train(
         optimiser.step()
         if average is not None:
             average.update_parameters(model)
+        if losses is not None:
+            losses.append(parts["all"].item())
         now = time.monotonic()
         run.step, run.seconds = run.step + 1, before + now - began
         if say and run.step % SAY_EVERY == 0:
@@ -159,6 +166,9 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("--start", type=pathlib.Path, help="a checkpoint whose weights it begins with, where they fit")
     parser.add_argument("--pack", type=pathlib.Path, help="reads keyframes of what convoy_baseline.pack made")
+    parser.add_argument(
+        "--share", type=float, default=1.0, help="learns from each n-th scene alone: 1 / n, such as 0.25"
+    )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--split", default="train")
     parser.add_argument("--device", default="cpu", choices=("cpu", "cuda"))
@@ -186,6 +196,7 @@ def main(arguments: list[str] | None = None) -> int:
             workers=options.workers,
             start=options.start,
             pack=options.pack,
+            share=options.share,
         )
     except (convoy.StoreError, ValueError, OSError) as fault:
         print(f"error: {fault}", file=sys.stderr)

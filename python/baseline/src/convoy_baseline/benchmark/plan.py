@@ -9,53 +9,78 @@ from dataclasses import dataclass
 from typing import Any
 
 from convoy_baseline.conditions import Condition
-from convoy_baseline.settings import Settings, check_mode, parse
+from convoy_baseline.frames import every_nth
+from convoy_baseline.settings import Settings, parse, read_with_mode
+from convoy_baseline.spoil import SPOILS
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A model that is trained with every seed."""
+    """A model that is trained with a seed."""
 
     name: str
+    """Of its files: unlike all others of the plan."""
+    model: str
+    """What it is called on the page: the name of its settings' file."""
     mode: str
     """With whom it learns to work together."""
     settings: Settings
-    conditions: tuple[Condition, ...]
-    """Under which it is evaluated."""
+    start: str = ""
+    """The entry with whose weights it begins; none if empty."""
+    rival: str = ""
+    """The entry without cooperation that it is held against; none if empty."""
+    conditions: tuple[Condition, ...] = ()
+    """Under which it is evaluated besides the modes."""
+    share: float = 1.0
+    """Which part of the scenes it learns from."""
+    spoil: str = ""
+    """What is done to its labels."""
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """In which it is evaluated."""
+        return ("none",) if self.mode == "none" else ("none", "x2v", "x2i", "x2x")
 
 
 @dataclass(frozen=True)
 class Plan:
     """All of it."""
 
+    name: str
     config: pathlib.Path
     """The dataset's."""
     test_split: str
     seeds: tuple[int, ...]
     entries: tuple[Entry, ...]
-    """Those that work together stand behind the one without cooperation that they are held against."""
-    spoilt_steps: int
-    """Steps of each model of the test of labels; none with 0."""
-    spoilt: tuple[str, ...]
+    """Models first, in the order in which they are trained; then their learning curves and labels that are spoilt."""
+    bootstrap: int
+    """How often scenes are drawn to say how sure a number is."""
 
-    @property
-    def latest_frames(self) -> int:
-        """The longest delay."""
-        return max(condition.delay_frames for entry in self.entries for condition in entry.conditions)
-
-    @property
-    def pairs(self) -> list[tuple[Entry, Entry]]:
-        """Each model that learnt to work together, and the last one before it that did not."""
+    def runs(self, seeds: list[int] | None = None, models: list[str] | None = None) -> list[tuple[Entry, int]]:
+        """What is to be trained: all of it, or some seeds of some models. Curves and spoilt labels are of the first seed alone."""
+        known = [entry.model for entry in self.entries]
+        if models is not None and (unknown := set(models) - set(known)):
+            raise ValueError(
+                f"no models: {', '.join(sorted(unknown))}; expected some of {', '.join(dict.fromkeys(known))}"
+            )
         return [
-            (entry, next(alone for alone in reversed(self.entries[:i]) if alone.mode == "none"))
-            for i, entry in enumerate(self.entries)
-            if entry.mode != "none"
+            (entry, seed)
+            for seed in (self.seeds if seeds is None else seeds)
+            for entry in self.entries
+            if (models is None or entry.model in models)
+            and (seed == self.seeds[0] or (entry.share == 1 and not entry.spoil))
         ]
+
+    def entry(self, name: str) -> Entry:
+        """The one with a name."""
+        return next(entry for entry in self.entries if entry.name == name)
 
 
 KEYS = {
-    "config", "test_split", "seeds", "model", "models", "penetration", "noise", "delay_frames", "spoilt_steps", "spoilt",
+    "config", "test_split", "seeds", "bootstrap", "model", "models", "penetration", "noise", "delay_frames", "shares",
+    "spoilt_steps", "spoilt",
 }  # fmt: skip
+MODEL_KEYS = {"settings", "start", "curve", "sensitivity", "spoilt"}
 
 
 def read(path: pathlib.Path) -> Plan:
@@ -67,31 +92,83 @@ def read(path: pathlib.Path) -> Plan:
             f"{path}: no such keys: {', '.join(sorted(unknown))}; expected some of {', '.join(sorted(KEYS))}"
         )
     try:
-        entries = tuple(_entry(model, table, str(path)) for model in table["models"])
+        entries = [_entry(model, table, path) for model in table["models"]]
+        entries = [dataclasses.replace(entry, rival=_rival(entry, entries)) for entry in entries]
+        for model, entry in list(zip(table["models"], entries, strict=True)):
+            entries += _others(model, entry, table)
         plan = Plan(
+            path.stem,
             (path.parent / table["config"]).resolve(),
             str(table.get("test_split", "test")),
             tuple(int(seed) for seed in table["seeds"]),
-            entries,
-            int(table.get("spoilt_steps", 0)),
-            tuple(table.get("spoilt", ())),
+            tuple(entries),
+            int(table.get("bootstrap", 1000)),
         )
     except KeyError as fault:
         raise ValueError(f"{path}: {fault.args[0]} is missing") from fault
-    if len(entries) < 2 or entries[0].mode != "none" or len({entry.name for entry in entries}) < len(entries):
-        raise ValueError(f"{path}: expected two models or more of different names, the first of mode none")
+    names = [entry.name for entry in entries]
+    for i, entry in enumerate(entries):
+        if entry.name in names[:i]:
+            raise ValueError(f"{path}: expected models of different names, {entry.name} is there twice")
+        if entry.start and entry.start not in names[:i]:
+            raise ValueError(f"{path}: {entry.name} starts with {entry.start}: expected a model before it")
     return plan
 
 
-def _entry(model: dict[str, Any], table: dict[str, Any], source: str) -> Entry:
-    own = {name: value for name, value in model.items() if name not in ("name", "mode", "sensitivity")}
-    mode = check_mode(model["mode"])
-    conditions = [Condition("none", "none")]
-    if mode != "none":
-        conditions += [Condition(name, name) for name in ("x2v", "x2i", "x2x")]
-    if model.get("sensitivity", False):
-        conditions += sensitivities(table)
-    return Entry(str(model["name"]), mode, parse({**table.get("model", {}), **own}, source), tuple(conditions))
+def _entry(model: dict[str, Any], table: dict[str, Any], path: pathlib.Path) -> Entry:
+    if "settings" not in model:
+        raise KeyError("settings")
+    file = path.parent / model["settings"]
+    base, mode = read_with_mode(file)
+    own = {name: value for name, value in model.items() if name not in MODEL_KEYS}
+    values = {**dataclasses.asdict(base), **table.get("model", {}), **own}
+    folder = file.parent.name
+    task = f"{folder}-" if folder in ("detection", "segmentation") else ""
+    conditions = tuple(sensitivities(table)) if model.get("sensitivity", False) else ()
+    start = str(model.get("start", ""))
+    return Entry(
+        task + file.stem, file.stem, mode or "none", parse(values, str(path)), start=start, conditions=conditions
+    )
+
+
+def _rival(entry: Entry, entries: list[Entry]) -> str:
+    """The one without cooperation that looks through the same sensors and learns the same tasks."""
+    if entry.mode == "none":
+        return ""
+    same = [
+        other.name
+        for other in entries
+        if other.mode == "none"
+        and (other.settings.sensors, other.settings.tasks) == (entry.settings.sensors, entry.settings.tasks)
+    ]
+    return same[0] if same else ""
+
+
+def _others(model: dict[str, Any], entry: Entry, table: dict[str, Any]) -> list[Entry]:
+    """A model again with fewer scenes, and with few steps on labels that are spoilt or right."""
+    plain = dataclasses.replace(entry, conditions=())
+    found = []
+    if model.get("curve", False):
+        for share in table.get("shares", ()):
+            nth = every_nth(float(share))
+            if nth > 1:
+                rival = f"{entry.rival}-1of{nth}" if entry.rival else ""
+                found.append(dataclasses.replace(plain, name=f"{entry.name}-1of{nth}", share=float(share), rival=rival))
+    if model.get("spoilt", False) and table.get("spoilt_steps", 0):
+        short = dataclasses.replace(entry.settings, steps=int(table["spoilt_steps"]))
+        for spoil in ("", *table.get("spoilt", ())):
+            if spoil and spoil not in SPOILS:
+                raise ValueError(f"spoilt {spoil!r}: expected some of {', '.join(SPOILS)}")
+            found.append(
+                dataclasses.replace(
+                    plain,
+                    name=f"{entry.name}-labels-{spoil or 'right'}",
+                    settings=short,
+                    spoil=spoil or "right",
+                    rival="",
+                )
+            )
+    return found
 
 
 def sensitivities(table: dict[str, Any]) -> list[Condition]:

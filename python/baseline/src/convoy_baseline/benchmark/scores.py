@@ -1,127 +1,144 @@
-"""Scores of a trained model, under each condition, kept as a table."""
+"""Scores of a trained model: its predictions as files, and what `convoy evaluate` says of them."""
 
 from __future__ import annotations
 
-import functools
 import hashlib
+import json
 import os
 import pathlib
-from dataclasses import replace
-from itertools import chain
+import shutil
+import tempfile
+from dataclasses import dataclass
 from typing import Any
 
-import convoy
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 import torch
+from convoy.evaluation import run as run_program
 
-from convoy_baseline.batch import heard
 from convoy_baseline.benchmark.plan import Entry
-from convoy_baseline.frames import Keyframe, truth
-from convoy_baseline.predict import Found, Writer, opened, predict
-from convoy_baseline.score import SUBSETS, THRESHOLDS_M, Tally
+from convoy_baseline.conditions import Condition
+from convoy_baseline.found import Found, MaskWriter, Writer
+from convoy_baseline.predict import opened, predict
+from convoy_baseline.settings import Settings
 
-DIGEST = b"checkpoint"
-SCHEMA = pa.schema(
-    [
-        ("condition", pa.string()),
-        ("measure", pa.string()),
-        ("class", pa.string()),
-        ("subset", pa.string()),
-        ("threshold_m", pa.float64()),
-        ("value", pa.float64()),
-    ]
-)
-SAME = 1e-6
-"""How far our numbers and those of `evaluate` may be apart."""
+BOXES, MASKS, NOTE = "modes.parquet", "masks", "about.json"
 
 
-def score(
-    store: str, split: str, model: pathlib.Path, entry: Entry, late: int, out: pathlib.Path, device: str, program: str
-) -> list[dict[str, Any]]:
-    """Scores of a checkpoint: those that are kept, or new ones. `late` frames are left out at the beginning of scenes where conditions
-    have to do with delay, so that all of them are about the same frames."""
-    digest = hashlib.sha256(model.read_bytes()).hexdigest().encode()
-    if out.exists() and (pq.read_schema(out).metadata or {}).get(DIGEST) == digest:
-        kept: list[dict[str, Any]] = pq.read_table(out).to_pylist()
-        return kept
-    run, network, keyframes = opened(store, model, split, torch.device(device))
-    settings = run.settings
-    tallies = {
-        c.name: Tally(settings.classes, settings.grid, late if c.name.startswith("delay") else 0)
-        for c in entry.conditions
-    }
-    whole = {c.name: Tally(settings.classes, None) for c in entry.conditions if c.name == c.mode}
-    writer = Writer(settings.classes)
+@dataclass(frozen=True)
+class Judge:
+    """What holds predictions against the store."""
 
-    @functools.lru_cache(maxsize=1)
-    def with_itself(keyframe: Keyframe) -> Keyframe:
-        frame = keyframes.dataset.scene(keyframe.scene).frame(keyframe.number)
-        names = [keyframe.views[ego].agent for ego in keyframe.egos]
-        return replace(keyframe, truths=tuple(truth(frame, name, settings, itself=True) for name in names))
+    program: str
+    store: str
+    split: str
+    rounds: int
+    """How often scenes are drawn; 0: never."""
+
+    def boxes(self, path: pathlib.Path, settings: Settings, rounds: int | None = None) -> list[dict[str, Any]]:
+        """Numbers of a file of boxes, within the model's ground."""
+        half = settings.grid.half_m
+        reach = ["--comm-range-m", str(settings.comm_range_m), "--elevation-m", str(settings.elevation_m)]
+        within = [f"--range-m={-half},{-half},{half},{half}"]
+        return self._say(["--predictions", str(path), "--metrics", "simbev2x", *reach, *within], rounds)
+
+    def masks(self, folder: pathlib.Path, settings: Settings) -> list[dict[str, Any]]:
+        """Numbers of a folder of masks, of their own extent."""
+        return self._say(["--bev-masks", str(folder), "--every", str(settings.every)], None)
+
+    def _say(self, what: list[str], rounds: int | None) -> list[dict[str, Any]]:
+        rounds = self.rounds if rounds is None else rounds
+        with tempfile.TemporaryDirectory() as folder:
+            out = pathlib.Path(folder, "scores.json")
+            command = [self.program, "evaluate", *what, "--store", self.store, "--split", self.split, "--out", str(out)]
+            command += ["--bootstrap", str(rounds), "--by", "map"] if rounds else []
+            run_program(command)
+            rows: list[dict[str, Any]] = json.loads(out.read_text())
+            return rows
+
+
+def predicted(
+    store: str, split: str, checkpoint: pathlib.Path, entry: Entry, conditions: tuple[Condition, ...], folder: pathlib.Path, device: str
+) -> dict[str, Any]:  # fmt: skip
+    """Writes what a checkpoint predicts into a folder, unless it is there: boxes and masks of all modes, boxes of each other condition.
+    Says how many samples, partners and bytes there were under each."""
+    digest = hashlib.sha256(checkpoint.read_bytes()).hexdigest()
+    wanted = {"checkpoint": digest, "conditions": [condition.name for condition in conditions]}
+    note: dict[str, Any]
+    try:
+        note = json.loads((folder / NOTE).read_text())
+        if {name: note.get(name) for name in wanted} == wanted:
+            return note
+    except (OSError, ValueError):
+        pass
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    run, network, keyframes = opened(store, checkpoint, split, torch.device(device))
+    modes, masks = (
+        Writer(run.settings.classes),
+        MaskWriter(folder / MASKS, run.settings.mask_grid, keyframes.mask_cell_m()),
+    )
+    others = {condition.name: Writer(run.settings.classes) for condition in conditions}
+    latest = max((condition.delay_frames for condition in conditions), default=0)
 
     def take(found: Found) -> None:
-        ego = found.keyframe.views[found.keyframe.egos[found.ego]]
-        near = heard(ego, found.keyframe.views, "x2x", settings.comm_range_m, settings.elevation_m)
-        tallies[found.condition.name].take(found, not near)
-        if found.condition.name in whole:
-            whole[found.condition.name].take(replace(found, keyframe=with_itself(found.keyframe)), not near)
-            writer.take(found)
+        if found.condition.name not in others:
+            modes.take(found)
+            masks.take(found)
+        # Whatever has to do with delay is asked of the same frames.
+        elif not found.condition.name.startswith("delay") or found.keyframe.number >= latest:
+            others[found.condition.name].take(found)
 
-    predict(network, settings, keyframes, entry.conditions, take, torch.device(device))
-    predictions = out.with_suffix(".predictions.parquet")
-    writer.write(predictions)
-    rows = [row for name, tally in tallies.items() for row in numbers(name, tally, run.masks)]
-    agree(store, split, settings.every, predictions, whole, program)
-    table = pa.Table.from_pylist(rows, SCHEMA.with_metadata({DIGEST: digest}))
-    pq.write_table(table, out.with_name(out.name + ".new"))
-    os.replace(out.with_name(out.name + ".new"), out)
-    return rows
-
-
-def numbers(condition: str, tally: Tally, masks: tuple[str, ...]) -> list[dict[str, Any]]:
-    """All that is said of a condition."""
-
-    def row(
-        measure: str, value: float | None, of: str = "all", subset: str = "all", at: float | None = None
-    ) -> dict[str, Any]:
-        return {
-            "condition": condition, "measure": measure, "class": of, "subset": subset, "threshold_m": at, "value": value,
-        }  # fmt: skip
-
-    rows = [
-        row("samples", float(len(tally.partners))),
-        row("partners", sum(tally.partners) / max(len(tally.partners), 1)),
-    ]
-    for subset in SUBSETS:
-        rows.append(row("targets", float(tally.target_count(subset)), subset=subset))
-        rows.append(row("mAP", tally.mean_precision(subset), subset=subset))
-        rows += [row("mAP at", tally.mean_precision(subset, at), subset=subset, at=at) for at in THRESHOLDS_M]
-    for k, name in enumerate(tally.classes):
-        rows += [row("AP", tally.average_precision(k, at), name, at=at) for at in THRESHOLDS_M]
-    rows += [row("IoU", tally.overlap(i), name) for i, name in enumerate(masks)]
-    return rows
+    asked = [*(Condition(mode, mode) for mode in entry.modes), *conditions]
+    predict(network, run.settings, keyframes, asked, take, torch.device(device))
+    modes.write(folder / BOXES)
+    masks.close()
+    for name, writer in others.items():
+        writer.write(folder / file_of(name))
+    heard = {name: of for writer in (modes, *others.values()) for name, of in writer.heard.items()}
+    note = {**wanted, "heard": heard}
+    beside = folder / (NOTE + ".new")
+    beside.write_text(json.dumps(note))
+    os.replace(beside, folder / NOTE)
+    return note
 
 
-def agree(
-    store: str, split: str, every: int, predictions: pathlib.Path, tallies: dict[str, Tally], program: str
-) -> None:
-    """Fails unless `evaluate` says the same of the same predictions, on all targets. It knows nothing of a mode without any."""
-    tallies = {
-        mode: tally for mode, tally in tallies.items() if any(len(rows) for rows in chain(*tally.predicted.values()))
+def file_of(condition: str) -> str:
+    """The name of a condition's file."""
+    return condition.replace(",", "").replace(" ", "-") + ".parquet"
+
+
+def scored(judge: Judge, folder: pathlib.Path, settings: Settings, conditions: tuple[Condition, ...]) -> dict[str, Any]:
+    """All numbers of a folder of predictions: of its modes, and of other conditions without intervals."""
+    found: dict[str, Any] = {}
+    if "boxes" in settings.tasks:
+        found["boxes"] = judge.boxes(folder / BOXES, settings)
+    if (folder / MASKS).is_dir():
+        found["masks"] = judge.masks(folder / MASKS, settings)
+    found["conditions"] = {
+        condition.name: judge.boxes(folder / file_of(condition.name), settings, rounds=0) for condition in conditions
     }
-    if not tallies:
-        return
-    theirs = convoy.evaluate(
-        predictions, store, split=split, every=every, metrics=["simbev2x"], program=program or None
-    )
-    for mode, tally in tallies.items():
-        for k, name in enumerate(tally.classes):
-            for at in THRESHOLDS_M:
-                for level in ("all", "easy", "medium", "hard"):
-                    ours = tally.average_precision(k, at, level)
-                    other = theirs.value("AP", mode=mode, threshold=at, level=level, of_class=name)
-                    if (ours is None) != (other is None) or abs((ours or 0.0) - (other or 0.0)) > SAME:
-                        raise ValueError(
-                            f"{predictions}: AP of {name} at {at} m, {level}, mode {mode}: {ours} here, {other} by {theirs.program}"
-                        )
+    return found
+
+
+def gained(judge: Judge, folder: pathlib.Path, rival: pathlib.Path, mode: str, settings: Settings) -> dict[str, Any]:
+    """What a model that works together gains over another one that never did, by the same draws of scenes: numbers of one file in which
+    mode `none` is the rival's."""
+    found: dict[str, Any] = {}
+    with tempfile.TemporaryDirectory(dir=folder) as both:
+        if "boxes" in settings.tasks:
+            tables = [pq.read_table(of / BOXES) for of in (rival, folder)]
+            parts = [
+                table.filter(pc.equal(table["mode"], name)) for table, name in zip(tables, ("none", mode), strict=True)
+            ]
+            path = pathlib.Path(both, BOXES)
+            pq.write_table(pa.concat_tables(parts), path, compression="zstd")
+            found["boxes"] = judge.boxes(path, settings)
+        if (folder / MASKS).is_dir():
+            masks = pathlib.Path(both, MASKS)
+            masks.mkdir()
+            for of, name in ((rival, "none"), (folder, mode)):
+                (masks / name).symlink_to((of / MASKS / name).resolve(), target_is_directory=True)
+            found["masks"] = judge.masks(masks, settings)
+    return found
