@@ -168,7 +168,7 @@ check-devkit: build devkit
 	folder=$$(mktemp -d) && \
 		$(BIN)/export nuscenes --store $(STORE) --dest $$folder/export $(SCENES_ARG) $(THREADS_ARG) && \
 		{ $(PYTHON) tests/exports/nuscenes.py $(STORE) $$folder/export || test $$? -eq 77; } && \
-		{ $(DEVKIT)/bin/python3 tests/exports/nuscenes_devkit.py $$folder/export $(or $(DEST),$$folder/pictures) || test $$? -eq 77; }; \
+		{ $(DEVKIT)/bin/python3 tests/exports/nuscenes_devkit.py $$folder/export $(or $(DEST),$$folder/pictures) $(STORE) $(BIN)/evaluate || test $$? -eq 77; }; \
 		code=$$?; rm -rf $$folder; exit $$code
 
 # A checkout of somebody else's trainer for some steps on a small export (docs/trainers.md): make train-check TRAINER=opencood

@@ -1,12 +1,16 @@
-"""Opens an export in nuScenes' layout with nuscenes-devkit, draws what it can draw, and evaluates the targets as predictions.
+"""Opens an export in nuScenes' layout with nuscenes-devkit, draws what it can draw, and evaluates the targets as predictions, as they are
+and disturbed. Of both, `convoy evaluate` must say the same without an option given, but for velocities.
 
-Usage: DEVKIT_PYTHON nuscenes_devkit.py EXPORT PICTURES
+Usage: DEVKIT_PYTHON nuscenes_devkit.py EXPORT PICTURES STORE PROGRAM
+PROGRAM: Convoy's program `evaluate`.
 Wants nuscenes-devkit (pip), in an environment of its own: it needs a numpy before 2. Pictures are written for looking at.
 Exit code 77: something could not be drawn, as the export has nothing of it.
 """
 
 import json
+import math
 import pathlib
+import subprocess
 import sys
 
 # Beside this file stands one of the package's name.
@@ -24,6 +28,10 @@ from nuscenes.eval.detection.utils import category_to_detection_name  # noqa: E4
 from nuscenes.utils.data_classes import LidarPointCloud, RadarPointCloud  # noqa: E402
 
 missing = []
+ROUNDED = 2e-4
+"""An export has places to a tenth of a millimetre; `evaluate` holds results against the store's."""
+APART = ("AVE", "mAVE", "NDS")
+"""The devkit takes velocities from places of annotations before and after, `evaluate` those of the store."""
 
 
 def draw(nusc, pictures):
@@ -78,7 +86,7 @@ def read_clouds(nusc, sample):
             assert RadarPointCloud.from_file(path).points.shape[0] == 18
 
 
-def evaluate(nusc, split, folder):
+def evaluate(nusc, split, folder, judge):
     """Targets as predictions: every class that has targets is found perfectly."""
     results, present = {}, set()
     config = config_factory("detection_cvpr_2019")
@@ -109,11 +117,8 @@ def evaluate(nusc, split, folder):
                     "attribute_name": attributes[0] if attributes else "",
                 }
             )
-    uses = {f"use_{what}": False for what in ("camera", "lidar", "radar", "map", "external")}
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{nusc.version}-{split}.json"
-    path.write_text(json.dumps({"meta": uses, "results": results}))
-    metrics = DetectionEval(nusc, config, str(path), split, str(folder), verbose=False).main(plot_examples=0, render_curves=False)
+    metrics = held(nusc, split, results, folder, f"{nusc.version}-{split}", judge)
     found = metrics["mean_dist_aps"]
     for name, precision in found.items():
         assert abs(precision - (name in present)) < 1e-9, f"AP of {name} is {precision}"
@@ -123,9 +128,78 @@ def evaluate(nusc, split, folder):
     for name in present:
         exact = metrics["label_tp_errors"][name]
         assert all(exact[k] < 1e-6 for k in ("trans_err", "scale_err")), (name, exact)
+    metrics = held(nusc, split, disturbed(results), folder, f"{nusc.version}-{split}-disturbed", judge)
+    print(f"{nusc.version} {split}, disturbed: mAP {metrics['mean_ap']:.4f}, the same by `evaluate`")
 
 
-def main(export, pictures):
+def disturbed(results):
+    """Boxes moved, turned, scaled, some left out or said twice, with scores of which many are equal, wrong classes and attributes."""
+    draw = np.random.default_rng(5)
+    classes = sorted({box["detection_name"] for boxes in results.values() for box in boxes})
+    attributes = {box["detection_name"]: box["attribute_name"] for boxes in results.values() for box in boxes}
+    after = {}
+    for token, boxes in sorted(results.items()):
+        after[token] = []
+        for box in boxes:
+            for _ in range(int(draw.choice([0, 1, 1, 1, 2]))):
+                yaw = float(draw.normal(0, 0.3))
+                w, x, y, z = box["rotation"]
+                cos, sin = math.cos(yaw / 2), math.sin(yaw / 2)
+                name = box["detection_name"] if draw.random() < 0.9 else str(draw.choice(classes))
+                after[token].append(
+                    {
+                        "sample_token": token,
+                        "translation": (np.array(box["translation"]) + draw.normal(0, 0.7, 3)).tolist(),
+                        "size": (np.array(box["size"]) * draw.uniform(0.8, 1.25, 3)).tolist(),
+                        "rotation": [cos * w - sin * z, cos * x - sin * y, cos * y + sin * x, cos * z + sin * w],
+                        "velocity": (np.array(box["velocity"]) + draw.normal(0, 1, 2)).tolist(),
+                        "detection_name": name,
+                        "detection_score": round(float(draw.random()), 1),
+                        "attribute_name": attributes[name] if draw.random() < 0.7 else box["attribute_name"] * (name == box["detection_name"]),
+                    }
+                )
+    return after
+
+
+def held(nusc, split, results, folder, name, judge):
+    """What the devkit says of results; `evaluate` must say the same to 1e-9."""
+    uses = {f"use_{what}": False for what in ("camera", "lidar", "radar", "map", "external")}
+    path = folder / f"{name}.json"
+    path.write_text(json.dumps({"meta": uses, "results": results}))
+    config = config_factory("detection_cvpr_2019")
+    metrics = DetectionEval(nusc, config, str(path), split, str(folder), verbose=False).main(plot_examples=0, render_curves=False)
+    store, program = judge
+    out = folder / f"{name}-ours.json"
+    export = pathlib.Path(nusc.table_root)
+    command = [program, "--predictions", path, "--nuscenes", export, "--store", store, "--metrics", "nuscenes", "--out", out]
+    subprocess.run([str(word) for word in command], check=True, stdout=subprocess.DEVNULL)
+    ours = {(row["class"], row["measure"], row["threshold"]): row["value"] for row in json.loads(out.read_text())}
+    theirs = {("all", "mAP", None): metrics["mean_ap"], ("all", "NDS", None): metrics["nd_score"]}
+    names = {"trans_err": "ATE", "scale_err": "ASE", "orient_err": "AOE", "vel_err": "AVE", "attr_err": "AAE"}
+    for key, short in names.items():
+        theirs["all", f"m{short}", None] = metrics["tp_errors"][key]
+        for of, errors in metrics["label_tp_errors"].items():
+            theirs[of, short, 2.0] = errors[key]
+    for of, precisions in metrics["label_aps"].items():
+        theirs |= {(of, "AP", float(at)): value for at, value in precisions.items()}
+    wrong = []
+    for key, value in theirs.items():
+        own, (_, measure, _) = ours[key], key
+        if measure in APART:
+            continue
+        same = math.isnan(value) if own is None else abs(own - value) < (ROUNDED if measure.removeprefix("m") in ("ATE", "ASE", "AOE") else 1e-9)
+        if not same:
+            wrong.append(f"{key}: {value} by the devkit, {own} by evaluate")
+    assert not wrong, f"{name}: {wrong}"
+    # What NDS is of these, with velocities as the store has them.
+    errors = [ours["all", f"m{short}", None] for short in names.values()]
+    score = (5 * metrics["mean_ap"] + sum(1 - min(1.0, error) for error in errors)) / 10
+    assert abs(score - ours["all", "NDS", None]) < 1e-9, (name, score, ours["all", "NDS", None])
+    assert len(theirs) > 90, "classes, distances and errors"
+    return metrics
+
+
+def main(export, pictures, judge):
     pictures.mkdir(parents=True, exist_ok=True)
     versions = sorted(path.parent.name for path in export.glob("*/category.json"))
     assert versions, "no version"
@@ -133,11 +207,11 @@ def main(export, pictures):
         nusc = NuScenes(version=version, dataroot=str(export), verbose=False)
         read_clouds(nusc, draw(nusc, pictures))
         for split in json.loads((export / version / "splits.json").read_text()):
-            evaluate(nusc, split, pictures / "evaluation")
+            evaluate(nusc, split, pictures / "evaluation", judge)
     for what in missing:
         print(f"note: devkit: {what}")
     return 77 if missing else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])))
+    sys.exit(main(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), (sys.argv[3], sys.argv[4])))

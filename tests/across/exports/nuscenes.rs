@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use convoy_tests::{Bench, check_in_devkit, check_in_python, digests};
+use convoy_tests::{Bench, check_in_devkit, check_in_python, digests, program};
 
 use super::export;
 
@@ -11,7 +11,8 @@ pub(super) fn check(bench: &Bench) {
     outcome.expect_done();
     read_back(bench, &dest, "60");
     let pictures = bench.folder.path().join("pictures");
-    check_in_devkit("exports/nuscenes_devkit.py", &[&dest, &pictures]);
+    let (store, judge) = (bench.store(), program("evaluate"));
+    check_in_devkit("exports/nuscenes_devkit.py", &[&dest, &pictures, &store, &judge]);
     // The tables are the same for any number of threads.
     let (one, outcome) = export(bench, "nuscenes", "nuscenes-one", &["--threads", "1"]);
     outcome.expect_done();
