@@ -62,6 +62,15 @@ class Files(unittest.TestCase):
                 self.assertEqual(("lidar" in settings.sensors, "camera" in settings.sensors),
                                  (not name.endswith("-c"), not name.endswith("-l")))  # fmt: skip
 
+    def test_those_for_two_cores_differ_in_their_fusion_alone(self):
+        found = {name: read_with_mode(FILES / "two-cores" / f"{name}.toml") for name in NAMES if name.endswith("-l")}
+        alone = found["bevfusion-l"][0]
+        self.assertEqual((alone.lidar_encoder, alone.feature_grid, len(alone.classes)), ("pillar", Grid(64, 1.6), 10))
+        for name, (settings, mode) in found.items():
+            self.assertEqual(mode, "none" if name.startswith("bev") else "x2x")
+            self.assertEqual(settings.fusion, "axial" if name.startswith("cobev") else "max")
+            self.assertEqual(replace(settings, fusion="max"), alone)
+
     def test_circles_and_strange_keys_are_named(self):
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder, "a.toml")

@@ -250,15 +250,19 @@ def pack_split(store: str, split: str, settings: Settings, pack: pathlib.Path, w
     """Packs all scenes of a split that are not packed yet: how many keyframes it has, and how many bytes were written."""
     keyframes = Keyframes(convoy.Dataset(store), split, settings, keep=False)
     scenes = sorted({scene for scene, _ in keyframes.keys})
+    stale = [scene for scene in scenes if not is_fresh(keyframes.dataset, scene, settings, pack)]
+    if len(stale) < len(scenes):
+        print(f"{pack}: {len(scenes) - len(stale)} of {len(scenes)} scenes are kept", flush=True)
+    if not stale:
+        return len(keyframes), 0
     pack.mkdir(parents=True, exist_ok=True)
     work = functools.partial(pack_scene, store, split, settings, pack)
-    count = size = 0
-    with multiprocessing.get_context("spawn").Pool(min(workers, len(scenes))) as pool:
-        for scene, (frames, written) in zip(scenes, pool.imap(work, scenes), strict=True):
-            if written:
-                print(f"scene {scene}: {frames} keyframes, {written / 1e6:.1f} MB", flush=True)
-            count, size = count + frames, size + written
-    return count, size
+    size = 0
+    with multiprocessing.get_context("spawn").Pool(min(workers, len(stale))) as pool:
+        for scene, (frames, written) in zip(stale, pool.imap(work, stale), strict=True):
+            print(f"scene {scene}: {frames} keyframes, {written / 1e6:.1f} MB", flush=True)
+            size += written
+    return len(keyframes), size
 
 
 def main(arguments: list[str] | None = None) -> int:

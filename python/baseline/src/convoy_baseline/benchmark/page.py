@@ -31,8 +31,8 @@ are no race; what can be held against each other is what cooperation changes. Ea
 DIFFERENCES = """## What differs from the paper
 
 * Data: Convoy's own towns, traffic and sensors, with fewer scenes; the paper has 168 scenes to learn from and 60 to be tested on.
-* Models: own code of the same parts; `benchmark` and `benchmark-gpu` train small ones ([sizes](#runs)), with one model for boxes and masks
-  where the paper has two.
+* Models: own code of the same parts; `benchmark-gpu` trains small ones ([sizes](#runs)), `benchmark` smaller ones yet, with pillars of
+  0.8 m for voxels; both one model for boxes and masks where the paper has two.
 * Training: so many steps as [Runs](#runs) says; the paper has 20 epochs of 209,696 samples. No pasted objects.
 * Lidars: as each plan's configuration has them; the paper thins 128 beams to 32 and adds 9 earlier sweeps.
 * Ground: targets and predictions within the model's ground count; the paper leaves out targets alone.
