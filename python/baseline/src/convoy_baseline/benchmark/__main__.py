@@ -111,7 +111,8 @@ def main(arguments: list[str] | None = None) -> int:
         if options.plan:
             work(options)
         if not options.forecast and options.steps is None:
-            options.page.write_text(page(read_all(options.results), PLANS))
+            pictures = [path.name for path in sorted(options.results.glob("found-*.png"))]
+            options.page.write_text(page(read_all(options.results), PLANS, pictures))
             print(f"written: {options.page}")
     except (convoy.StoreError, convoy.ProgramError, ValueError, OSError) as fault:
         print(f"error: {fault}", file=sys.stderr)

@@ -45,8 +45,8 @@ DIFFERENCES = """## What differs from the paper
   matter: their spread stands in [Seeds](#seeds)."""
 
 
-def page(records: Sequence[Record], plans: Sequence[str] = ()) -> str:
-    """Everything, as Markdown. Of models of `plans` that have not run, it is said so."""
+def page(records: Sequence[Record], plans: Sequence[str] = (), pictures: Sequence[str] = ()) -> str:
+    """Everything, as Markdown. Of models of `plans` that have not run, it is said so; `pictures` are names in the folder of results."""
     models = [records for records in grouped(records) if records.first.share == 1 and not records.first.spoil]
     boxes = [model for model in models if model.first.boxes]
     masks = [model for model in models if model.first.masks]
@@ -65,6 +65,7 @@ def page(records: Sequence[Record], plans: Sequence[str] = ()) -> str:
         *unseen(boxes, masks),
         *_modes(boxes),
         *_conditions(boxes),
+        *_pictures(pictures),
         *_curves(records),
         *_labels(records),
         *_seeds(models),
@@ -256,6 +257,14 @@ def _conditions(models: Sequence[Seeds]) -> list[str]:
         words,
         markdown(["model", "condition", "partners", "all", "hard", "partners only"], rows),
     ]
+
+
+def _pictures(names: Sequence[str]) -> list[str]:
+    words = (
+        "Of six scenes of the test the moment in which partners helped most, so not a fair sample: boxes with a score of 0.3 or more that "
+        "a model said alone and with partners, over what is there, in colours that tell who has seen it."
+    )
+    return ["## What cooperation found", words, "\n".join(f"![](results/{name})" for name in names)] if names else []
 
 
 def _order(condition: str) -> tuple[str, list[float]]:
