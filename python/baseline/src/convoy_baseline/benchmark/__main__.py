@@ -88,6 +88,9 @@ def arguments_of(arguments: list[str] | None) -> argparse.Namespace:
         type=int,
         help="trains only so many steps of each model, to see time, memory and whether the loss falls",
     )
+    parser.add_argument(
+        "--rate", type=float, help="with --forecast: how many 10^12 operations a second the machine makes, such as 40"
+    )
     parser.add_argument("--program", help="Convoy's program (default: as convoy.evaluate finds it)")
     parser.add_argument("--device", default="cpu", choices=("cpu", "cuda"))
     parser.add_argument("--workers", type=int, default=0, help="processes that read data for training")
@@ -126,7 +129,7 @@ def work(options: argparse.Namespace) -> None:
     runs = plan.runs(options.seeds, options.models)
     program = found_program(options.program)
     if options.forecast:
-        print(forecast(plan, runs, program, options.out))
+        print(forecast(plan, runs, program, options.out, options.rate))
         return
     options.out.mkdir(parents=True, exist_ok=True)
     job = Job(
@@ -216,6 +219,7 @@ def finish(job: Job, entry: Entry, seed: int, words: str) -> None:
     began = time.monotonic()
     conditions = entry.conditions if seed == job.plan.seeds[0] else ()
     folder = job.out / f"{entry.name}-{seed}"
+    job.say(f"{words}: predicting")
     note = predicted(job.store, job.plan.test_split, checkpoint, entry, conditions, folder, job.device)
     job.say(f"{words}: predicted in {time.monotonic() - began:.0f} s")
     rival = job.out / f"{entry.rival}-{seed}" if entry.rival else None

@@ -32,16 +32,23 @@ STATE_BYTES = 16
 """Of a parameter: itself, its gradient, two means of AdamW."""
 
 
-def forecast(plan: Plan, runs: Sequence[tuple[Entry, int]], program: str, out: pathlib.Path | None) -> str:
-    """A plan in words and a table. Time a step is what steps took that were made in `out`."""
+def forecast(
+    plan: Plan, runs: Sequence[tuple[Entry, int]], program: str, out: pathlib.Path | None, rate: float | None
+) -> str:
+    """A plan in words and a table. A step takes what steps took that were made in `out`; of others it is told by operations alone, if it
+    is known how many a machine makes: a `rate` of so many 10^12 a second."""
     said = run_program([program, "forecast", "--config", str(plan.config)]).strip().splitlines()
-    rows, seconds, unknown = [], 0.0, 0
+    rows, seconds, bounded, unknown = [], 0.0, 0.0, 0
     for entry in dict.fromkeys(entry for entry, _ in runs):
         seeds = sum(other is entry for other, _ in runs)
         steps, a_step = entry.settings.steps, None if out is None else step_seconds(out, entry)
         parameters, operations, kept = dense(entry.settings)
         time_of = "not known"
-        if a_step is None:
+        if a_step is None and rate is not None:
+            least = operations / (rate * 1e12) * steps
+            bounded += least * seeds
+            time_of = f"at least {least / 3600:.1f} h"
+        elif a_step is None:
             unknown += seeds
         else:
             seconds += a_step * steps * seeds
@@ -62,9 +69,14 @@ def forecast(plan: Plan, runs: Sequence[tuple[Entry, int]], program: str, out: p
         "steps of keyframes",
         "learning",
     ]
-    total = f"learning: {seconds / 3600:.1f} hours, {seconds / 86400:.2f} days"
+    total = f"learning: {(seconds + bounded) / 3600:.1f} hours, {(seconds + bounded) / 86400:.2f} days"
+    if bounded:
+        total += f", at least: {bounded / 3600:.1f} hours are of what is dense alone, at {rate:g} x 10^12 operations a second"
     if unknown:
-        total += f", without {unknown} runs of which no step was made: `--steps 20` with --store and --out makes some"
+        total += (
+            f", without {unknown} runs of which no step was made: `--steps 20` with --store and --out makes some, and --rate tells a least "
+            "time by operations"
+        )
     words = (
         f"Kept in a step, and operations: of what is dense (pictures' features, fusion, decoder) in f32, for keyframes of {EGOS} vehicles "
         "that hear each other and an RSU; voxels and lifted pictures come on top, as `--steps` shows."
