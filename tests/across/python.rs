@@ -17,5 +17,5 @@ fn the_package_reads_a_store() {
     bench.run("convoy", &["run", "--scenes", "0", "--progress", "none"]).expect_done();
     let (store, packages) = (bench.store(), ["numpy", "pyarrow"]);
     check_in_python("../python/tests/run.py", &packages, &[&store, &program("convoy")]);
-    check_in_python("../python/baseline/tests/run.py", &packages, &[&store]);
+    check_in_python("../python/baseline/tests/run.py", &packages, &[&store, &program("convoy")]);
 }

@@ -1,7 +1,7 @@
 """Runs the baseline's tests.
 
-Usage: python3 run.py [STORE]
-The store is one like that of `tests/across/python.rs`; without it, what needs one is skipped. Needs PyTorch (5 GB) and scipy, which CI has not:
+Usage: python3 run.py [STORE [PROGRAM]]
+The store is one like that of `tests/across/python.rs`; without it, what needs one is skipped, as without Convoy's PROGRAM what hands predictions to it. Needs PyTorch (5 GB) and scipy, which CI has not:
 exit code 77 says what was not looked at. With CONVOY_THOROUGH=1 all nine models learn a moment until they know it by heart: minutes.
 """
 
@@ -16,6 +16,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 def main() -> int:
     if len(sys.argv) > 1:
         os.environ["CONVOY_STORE"] = sys.argv[1]
+    if len(sys.argv) > 2:
+        os.environ["CONVOY_PROGRAM"] = sys.argv[2]
     sys.dont_write_bytecode = True
     sys.path[:0] = [str(HERE.parent / "src"), str(HERE.parents[1] / "src"), str(HERE)]
     try:
