@@ -56,9 +56,9 @@ class Runs(unittest.TestCase):
         for name, models in (("benchmark.toml", 3), ("benchmark-gpu.toml", 9), ("benchmark-full.toml", 18)):
             plan = plan_of(folder / name)
             self.assertTrue(plan.config.is_file(), plan.config)
-            self.assertEqual(len(plan.entries), models)
+            self.assertEqual(len([entry for entry in plan.entries if not entry.is_extra]), models)
             for entry in plan.entries:
-                if entry.mode == "none":
+                if entry.mode == "none" or entry.spoil:
                     continue
                 rival = plan.entry(entry.rival)
                 self.assertEqual((entry.mode, rival.mode), ("x2x", "none"))
@@ -85,12 +85,15 @@ start = "bevfusion-l"
             )
             path.write_text(beginning + models)
             plan = plan_of(path)
-            names = [f"{entry.name} {seed}" for entry, seed in plan.runs(None, ["coopdet3d-l"])]
+            few = [f"{entry.name} {seed}" for entry, seed in plan.runs([5], ["coopdet3d-l"], extras=True)]
+            self.assertEqual(few, ["coopdet3d-l 5"])
+            self.assertEqual(len(plan.runs()), 4)
+            names = [f"{entry.name} {seed}" for entry, seed in plan.runs(None, ["coopdet3d-l"], extras=True)]
             self.assertEqual(
                 names,
                 [
-                    "coopdet3d-l 4", "coopdet3d-l-1of2 4", "coopdet3d-l-labels-right 4", "coopdet3d-l-labels-mirrored 4",
-                    "coopdet3d-l 5",
+                    "coopdet3d-l 4", "coopdet3d-l 5", "coopdet3d-l-1of2 4", "coopdet3d-l-labels-right 4",
+                    "coopdet3d-l-labels-mirrored 4",
                 ],
             )  # fmt: skip
             self.assertEqual(plan.entry("coopdet3d-l-1of2").rival, "bevfusion-l-1of2")

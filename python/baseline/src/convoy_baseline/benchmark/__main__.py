@@ -82,6 +82,7 @@ def arguments_of(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--models", type=lambda text: text.split(","), help="only these, such as bevfusion-l,coopdet3d-l"
     )
+    parser.add_argument("--extras", action="store_true", help="learning curves and spoilt labels, too")
     parser.add_argument("--forecast", action="store_true", help="says what the plan comes to, and does nothing")
     parser.add_argument(
         "--steps",
@@ -126,7 +127,7 @@ def main(arguments: list[str] | None = None) -> int:
 def work(options: argparse.Namespace) -> None:
     """All that is to be done of a plan."""
     plan = read(options.plan)
-    runs = plan.runs(options.seeds, options.models)
+    runs = plan.runs(options.seeds, options.models, options.extras)
     program = found_program(options.program)
     if options.forecast:
         print(forecast(plan, runs, program, options.out, options.rate))

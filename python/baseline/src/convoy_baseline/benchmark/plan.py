@@ -37,6 +37,11 @@ class Entry:
     """What is done to its labels."""
 
     @property
+    def is_extra(self) -> bool:
+        """Whether it is a point of a learning curve, or learns from spoilt labels or few steps of right ones."""
+        return self.share < 1 or bool(self.spoil)
+
+    @property
     def modes(self) -> tuple[str, ...]:
         """In which it is evaluated."""
         return ("none",) if self.mode == "none" else ("none", "x2v", "x2i", "x2x")
@@ -56,20 +61,22 @@ class Plan:
     bootstrap: int
     """How often scenes are drawn to say how sure a number is."""
 
-    def runs(self, seeds: list[int] | None = None, models: list[str] | None = None) -> list[tuple[Entry, int]]:
-        """What is to be trained: all of it, or some seeds of some models. Curves and spoilt labels are of the first seed alone."""
+    def runs(
+        self, seeds: list[int] | None = None, models: list[str] | None = None, extras: bool = False
+    ) -> list[tuple[Entry, int]]:
+        """What is to be trained: all of it, or some seeds of some models. Learning curves and spoilt labels are `extras`, of the first
+        seed alone, after all else."""
         known = [entry.model for entry in self.entries]
         if models is not None and (unknown := set(models) - set(known)):
             raise ValueError(
                 f"no models: {', '.join(sorted(unknown))}; expected some of {', '.join(dict.fromkeys(known))}"
             )
-        return [
-            (entry, seed)
-            for seed in (self.seeds if seeds is None else seeds)
-            for entry in self.entries
-            if (models is None or entry.model in models)
-            and (seed == self.seeds[0] or (entry.share == 1 and not entry.spoil))
-        ]
+        wanted = [entry for entry in self.entries if models is None or entry.model in models]
+        chosen = self.seeds if seeds is None else seeds
+        found = [(entry, seed) for seed in chosen for entry in wanted if not entry.is_extra]
+        if extras and self.seeds[0] in chosen:
+            found += [(entry, self.seeds[0]) for entry in wanted if entry.is_extra]
+        return found
 
     def entry(self, name: str) -> Entry:
         """The one with a name."""
