@@ -62,7 +62,7 @@ pub(crate) fn sample(
         Surface::Gravel => upright(&textures.gravel, facet, rgb, p),
         Surface::RoofTiles => upright(&textures.roof, facet, rgb, p),
         Surface::Foliage => foliage(patterns, &Vec3x8::splat(facet.normal_object), &Vec3x8::splat(rgb), p),
-        Surface::Wood if facet.part.tag == Tag::Vegetation => upright(&textures.bark, facet, rgb, p),
+        Surface::Wood if facet.part.tag == Tag::Vegetation => bark(&textures.bark, facet, rgb, p),
         Surface::Wood => {
             let o = &p.object_m;
             let grain = noise.at_all((o.x + o.y) * 120.0, o.z * 18.0, p.footprint_m * 120.0);
@@ -144,6 +144,17 @@ fn sheeting(noise: &Noise, facet: &ShadedTriangle<'_>, rgb: Vec3, p: &Points) ->
 fn upright(texture: &Texture, facet: &ShadedTriangle<'_>, rgb: Vec3, p: &Points) -> BrdfSample {
     let [x, y] = unrolled(facet, p);
     let seen = texture.at(x, y, p.footprint_m);
+    BrdfSample::leaning(shades(rgb, seen.shade), seen.lean)
+}
+
+/// Bark. All sides of a stem lie around the same axis: each shows another strip of the texture, so that none
+/// repeats beside itself.
+#[inline]
+fn bark(texture: &Texture, facet: &ShadedTriangle<'_>, rgb: Vec3, p: &Points) -> BrdfSample {
+    let [x, y] = unrolled(facet, p);
+    // Pieces of a side that bends a little are still one side.
+    let side = (facet.normal_object * 3.0).round();
+    let seen = texture.at(x + (0.37 * side.x + 0.23 * side.y), y, p.footprint_m);
     BrdfSample::leaning(shades(rgb, seen.shade), seen.lean)
 }
 

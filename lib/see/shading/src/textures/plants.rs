@@ -1,7 +1,6 @@
 //! What grows: grass, bark, leaves.
 
 use crate::textures::canvas::{Canvas, Spot, clouds, smooth};
-use crate::textures::cells::cell;
 use crate::textures::noise::{hash2, unit};
 use crate::textures::texture::Texture;
 
@@ -45,16 +44,31 @@ pub(crate) fn grass() -> Texture {
     Texture::new(&canvas, 256.0)
 }
 
-/// Ridges of 4 cm, four times as long, with dark cracks between them.
+/// Even noise with so many lattice cells across and along a tile: 0 to 1.
+fn streaks(x: f32, y: f32, cells: [i32; 2], seed: u32) -> f32 {
+    let (x, y) = (x * cells[0] as f32, y * cells[1] as f32);
+    let (column, row) = (x.floor(), y.floor());
+    let at = |right: i32, down: i32| {
+        let [c, r] = [column as i32 + right, row as i32 + down];
+        unit(hash2(c.rem_euclid(cells[0]), r.rem_euclid(cells[1]), seed))
+    };
+    let (across, along) = (smooth(0.0, 1.0, x - column), smooth(0.0, 1.0, y - row));
+    let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
+    mix(mix(at(0, 0), at(1, 0), across), mix(at(0, 1), at(1, 1), across), along)
+}
+
+/// Furrows that part and meet again, some 4 cm apart and five times as long, with finer ones between them.
 pub(crate) fn bark() -> Texture {
     let canvas = Canvas::new(256, |x, y| {
-        let bend = (clouds(x, y, 1.0, 23) - 0.5) * 0.08;
-        let ridge = cell(x + bend, y, [24, 6], 67);
-        let top = smooth(0.0, 0.35, ridge.gap);
-        let grain = clouds(x, y, 3.0, 24);
+        let bend = (clouds(x, y, 1.0, 23) - 0.5) * 0.03;
+        // Where stretched noise passes its mean there is a furrow.
+        let [coarse, fine] = [([32, 5], 67, 0.24), ([60, 13], 68, 0.3)]
+            .map(|(cells, seed, wide)| smooth(0.0, wide, (streaks(x + bend, y, cells, seed) - 0.5).abs()));
+        let (plate, rough) = (streaks(x, y, [9, 4], 69), clouds(x, y, 3.0, 24));
+        let top = coarse * (0.7 + 0.3 * fine);
         Spot {
-            height: 3.0 * top + grain,
-            shade: (0.4 + 0.6 * top) * (0.75 + 0.35 * ridge.own) * (0.8 + 0.4 * grain),
+            height: 1.2 * top + 0.5 * rough,
+            shade: (0.6 + 0.4 * top) * (0.8 + 0.35 * plate) * (0.85 + 0.3 * rough),
             tint: 0.0,
         }
     });
