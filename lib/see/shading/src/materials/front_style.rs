@@ -72,8 +72,9 @@ impl Style {
             transom: [None, None, Some(0.7), Some(0.5)][(4.0 * pick(14)) as usize],
             frame_rgb: FRAME_RGB[(FRAME_RGB.len() as f32 * pick(16)) as usize],
             panel_rgb: PAINT_RGB[(PAINT_RGB.len() as f32 * pick(17)) as usize],
-            mirror: 0.06,
-            clear: 0.8,
+            // Two panes mirror at four faces.
+            mirror: 0.13,
+            clear: 0.75,
         };
         let shutter_rgb = (pick(13) > 0.68).then(|| common.panel_rgb * 0.6);
         match wall {
@@ -103,7 +104,7 @@ impl Style {
                 band: 0.0,
                 surround_m: 0.0,
                 transom: None,
-                mirror: 0.13,
+                mirror: 0.22,
                 clear: 0.45,
                 ..common
             },

@@ -65,6 +65,8 @@ pub(super) struct Windows {
     second: f32,
     /// The bay whose windows light the landings of a stair, half a storey higher than others.
     stair: Option<f32>,
+    /// The lowest of these begins there, in storeys: over shops there is a cornice, where it would be cut.
+    first_landing: f32,
     is_on_ground: bool,
 }
 
@@ -83,7 +85,9 @@ impl Windows {
         let kinds = [usual, usual.beside(wall, pick(7)), usual.beside(wall, pick(8))];
         let is_stone = matches!(wall, Wall::Plaster | Wall::Brick | Wall::Ashlar);
         let is_tall = is_stone && cells[1] > 2.5;
-        let has_stair = is_stone && cells[0] > 2.5 && cells[1] > 1.5 && pick(12) < 0.3;
+        let first_landing = if is_on_ground { 1.5 } else { 0.5 };
+        let has_stair =
+            is_stone && cells[0] > 2.5 && cells[1] > first_landing + 0.9 && pick(12) < 0.3;
         Self {
             usual,
             kinds,
@@ -92,6 +96,7 @@ impl Windows {
             top: if is_tall && pick(10) > 0.4 { 0.8 } else { 1.0 },
             second: if is_tall && pick(11) > 0.6 { 1.14 } else { 1.0 },
             stair: has_stair.then(|| (0.5 * cells[0]).floor()),
+            first_landing,
             is_on_ground,
         }
     }
@@ -139,7 +144,7 @@ impl Windows {
         low = lerp(low, usual(self.usual.low), far);
         lift *= 1.0 - far;
         let is_cut = lift.simd_gt(F32x8::ZERO)
-            & (v.simd_lt(F32x8::splat(0.5)) | v.simd_gt(F32x8::splat(storeys - 0.5)));
+            & (v.simd_lt(F32x8::splat(self.first_landing)) | v.simd_gt(F32x8::splat(storeys - 0.5)));
         let is_none = is_cut | wide.simd_lt(F32x8::splat(0.02));
         Opening {
             left: 0.5 - wide * 0.5,
@@ -282,6 +287,28 @@ mod tests {
             );
         }
         assert!(seen.len() >= 5, "{seen:?}");
+    }
+
+    #[test]
+    fn stairs_have_windows_above_the_cornice_over_shops_alone() {
+        let near = [Width::new(F32x8::splat(0.01)); 2];
+        let mut seen = 0;
+        for object in 1..200 {
+            for storeys in [2.0, 3.0, 5.0] {
+                let windows = of(object, [5.0, storeys]);
+                let Some(stair) = windows.stair else { continue };
+                assert!(storeys > 2.5, "object {object}");
+                for step in 0..(40.0 * storeys) as usize {
+                    let v = (step as f32 + 0.5) / 40.0;
+                    let at = windows.at(F32x8::splat(stair + 0.5), F32x8::splat(v), near);
+                    if at.there.to_array()[0] > 0.0 {
+                        assert!((1.5..storeys - 0.5).contains(&v), "object {object}: {v}");
+                        seen += 1;
+                    }
+                }
+            }
+        }
+        assert!(seen > 100, "{seen}");
     }
 
     #[test]
