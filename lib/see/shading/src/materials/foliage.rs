@@ -29,6 +29,6 @@ pub(crate) fn foliage(
     let leaves = textures.leaves.at(x, y, w);
     let clump = noise.at_all((o.x - o.z * 0.47) * 9.0, (o.y - o.z * 0.71) * 9.0, w * 9.0);
     let yellow = Vec3x8::new(leaves.tint * 0.7 + 1.0, leaves.tint * 0.25 + 1.0, simd::F32x8::ONE);
-    let shade = leaves.shade * (clump * 0.7 + 0.35);
+    let shade = leaves.shade * (clump * 0.6 + 0.55);
     BrdfSample::leaning(*rgb * shade * yellow, leaves.lean)
 }

@@ -16,6 +16,8 @@ use crate::materials::{Points, foliage};
 const LEAN: f32 = 0.6;
 /// Share of the light of sky and ground that leaves send back or let through.
 const OF_AMBIENT: f32 = 0.8;
+/// Share of the sun's light that gets through leaves above to those deep in a crown.
+const THROUGH: f32 = 0.1;
 /// Texels of the map of shadows by which leaves are moved to the sun before they are looked up, so that those
 /// of one twig do not shade one another.
 const TO_SUN_TEXELS: f32 = 4.0;
@@ -184,7 +186,9 @@ impl Shader<'_> {
         let slant = (to_camera.dot(normals) / distance_m).fast_clamp(F32x8::splat(0.04), F32x8::ONE);
         let to_key = light.sky.key_direction;
         let sunlit = light.shadows.lit(&positions, to_key * TO_SUN_TEXELS).share;
-        let open = light.overhead.open(&positions, &normals) * numbers(|p| p.sheltered);
+        // A crown hides the sky from its own leaves once: the map from above shows it, too.
+        let sheltered = numbers(|p| p.sheltered);
+        let open = light.overhead.open(&positions, &normals).fast_min(sheltered);
         let lamps = if light.lamps.is_empty() {
             Vec3x8::default()
         } else {
@@ -216,7 +220,8 @@ impl Shader<'_> {
         };
         let ambient = self
             .between_houses(Vec3x8::new(ambient(0), ambient(1), ambient(2)), numbers(|p| p.between_houses));
-        let received = Vec3x8::splat(self.key) * (facing * sunlit) + ambient * open + lamps;
+        let through = (1.0 - sunlit) * (1.0 - sheltered) * THROUGH;
+        let received = Vec3x8::splat(self.key) * (facing * sunlit + through) + ambient * open + lamps;
         let passes = light.fog.passes(self.camera.z, positions.z, distance_m);
         let passes = (passes / before).fast_min(F32x8::ONE);
         Vec3x8::splat(self.veil).lerp(look.albedo * received, passes)

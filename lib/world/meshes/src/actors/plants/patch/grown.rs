@@ -18,7 +18,7 @@ const GONE_M: f64 = 180.0;
 const MOST: f32 = 4.0;
 
 /// So much brighter [`Surface::Foliage`] has to be to look as [`Surface::Grass`] does.
-const FOLIAGE_DARKER: f32 = 1.6;
+const FOLIAGE_DARKER: f32 = 1.35;
 
 /// Which patch of a kind.
 #[derive(Clone, Copy, Debug)]
