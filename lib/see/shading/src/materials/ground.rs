@@ -182,10 +182,10 @@ pub(super) fn grass((noise, textures): (&Noise, &Textures), rgb: Vec3, p: &Point
     // Dry patches are yellower; where it is driest, soil shows.
     let dry = meadow * 0.5 + tufts * 0.22 + worn * 0.28;
     let tint = Vec3x8::new(
-        dry * 0.5 + 0.75 + blades.tint * 0.5 + broad * 0.55,
-        dry * 0.12 + 0.86 + blades.tint * 0.12 + broad * 0.14,
-        dry * 0.2 + 0.82 + broad * 0.36,
-    ) * (worn * 0.34 + 0.78);
+        dry * 0.6 + 0.68 + blades.tint * 0.5 + broad * 0.7,
+        dry * 0.12 + 0.80 + blades.tint * 0.12 + broad * 0.16,
+        dry * 0.35 + 1.02 + broad * 0.55,
+    ) * (worn * 0.56 + 0.68);
     let green = shades(rgb, blades.shade * (tufts * 0.5 + 0.75)) * tint;
     let bare = smoothstep(0.70, 0.84, dry) * 0.7;
     let soil = shades(Vec3::new(0.15, 0.11, 0.07), blades.shade * 0.4 + 0.6);

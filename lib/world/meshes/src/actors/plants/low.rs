@@ -20,7 +20,7 @@ const BODY: f32 = 0.86;
 
 fn greens(draws: &mut Draws) -> [MeshPart; 3] {
     let greens: [[f32; 3]; 4] =
-        [[0.06, 0.15, 0.03], [0.09, 0.18, 0.04], [0.045, 0.12, 0.035], [0.11, 0.16, 0.04]];
+        [[0.08, 0.141, 0.06], [0.109, 0.171, 0.075], [0.062, 0.113, 0.055], [0.12, 0.154, 0.072]];
     let rgb = greens[draws.pick(4)];
     [0.6, 1.0, 1.25].map(|shade| MeshPart::new(Tag::Vegetation, Surface::Foliage, rgb.map(|c| shade * c)))
 }

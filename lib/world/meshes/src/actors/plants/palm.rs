@@ -11,7 +11,7 @@ use crate::actors::ActorMesh;
 use crate::solids::{MeshBuilder, circle};
 
 const BARK: MeshPart = MeshPart::new(Tag::Vegetation, Surface::Wood, [0.2, 0.16, 0.12]);
-const GREEN: MeshPart = MeshPart::new(Tag::Vegetation, Surface::Foliage, [0.09, 0.16, 0.04]);
+const GREEN: MeshPart = MeshPart::new(Tag::Vegetation, Surface::Foliage, [0.105, 0.152, 0.071]);
 /// Fronds, pieces of each and leaflets on each side of it, by level.
 const FRONDS: [[usize; 3]; LEVELS] = [[30, 5, 16], [26, 4, 8], [20, 3, 4], [16, 2, 3], [12, 2, 2]];
 

@@ -27,9 +27,9 @@ pub(super) fn maize(size: Vec3, look: Look) -> ActorMesh {
     let triangles = budget.on(size.x * size.y);
     let mut patch = Patch::new(size, Surface::Foliage, triangles[0]);
     let mut draws = look.draws(72);
-    let green = [[0.121, 0.243, 0.047], [0.135, 0.257, 0.054], [0.162, 0.257, 0.061], [0.23, 0.257, 0.081]];
+    let green = [[0.147, 0.23, 0.097], [0.161, 0.244, 0.106], [0.181, 0.246, 0.113], [0.233, 0.251, 0.131]];
     let greens = patch.shades(look.tinted(green));
-    let (stem, tassel) = (patch.leaf([0.17, 0.25, 0.08]), patch.leaf([0.33, 0.27, 0.12]));
+    let (stem, tassel) = (patch.leaf([0.186, 0.241, 0.125]), patch.leaf([0.33, 0.27, 0.12]));
     // Large fields have fewer plants in a row than grow there.
     let rows: Vec<f32> = rows(size.y, MAIZE_ROWS_M).collect();
     let in_row = (size.x / MAIZE_M).min(triangles[0] / 10.0 / rows.len() as f32).floor().max(1.0);
@@ -67,7 +67,7 @@ pub(super) fn wheat(size: Vec3, look: Look) -> ActorMesh {
     let mut patch = Patch::new(size, Surface::Foliage, triangles[0]);
     let mut draws = look.draws(73);
     // Ripe but for one.
-    let ripe = [[0.62, 0.46, 0.19], [0.68, 0.52, 0.24], [0.55, 0.46, 0.17], [0.2, 0.31, 0.09]];
+    let ripe = [[0.62, 0.46, 0.19], [0.68, 0.52, 0.24], [0.55, 0.46, 0.17], [0.223, 0.297, 0.148]];
     let [dark, middle, light] = patch.shades(look.tinted(ripe));
     let rows: Vec<f32> = rows(size.y, WHEAT_ROWS_M).collect();
     let in_row = (triangles[0] / rows.len() as f32).floor().max(1.0);
@@ -116,7 +116,7 @@ pub(super) fn vines(size: Vec3, look: Look) -> ActorMesh {
     patch.bars([0.15, 0.11, 0.08], &bars, 3);
     // Leaves would float without it.
     patch.solid_until = 3;
-    let green = [[0.09, 0.17, 0.035], [0.11, 0.18, 0.04], [0.16, 0.18, 0.045], [0.25, 0.13, 0.04]];
+    let green = [[0.107, 0.161, 0.07], [0.124, 0.172, 0.077], [0.162, 0.176, 0.084], [0.25, 0.13, 0.04]];
     let greens = patch.shades(look.tinted(green));
     let half = VINE_HALF_M.min(0.5 * size.y);
     for i in 0..triangles[0] as usize {

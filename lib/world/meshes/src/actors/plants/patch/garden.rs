@@ -24,7 +24,7 @@ pub(super) fn flowers(size: Vec3, look: Look) -> ActorMesh {
     let triangles = budget.on(size.x * size.y);
     let mut patch = Patch::new(size, Surface::Foliage, triangles[0]);
     let mut draws = look.draws(75);
-    let greens = patch.shades([0.07, 0.15, 0.035]);
+    let greens = patch.shades([0.088, 0.142, 0.064]);
     let first = 2 * look.shape as usize + look.colour;
     let heads = [0, 1, 3].map(|k| patch.leaf(FLOWERS[(first + k) % FLOWERS.len()]));
     let places = patch.places(triangles[0] / 6.0, &mut draws);
@@ -60,7 +60,7 @@ pub(super) fn shrubs(size: Vec3, look: Look) -> ActorMesh {
     let triangles = budget.on((size.x * size.y).min(budget.on_m2));
     let mut patch = Patch::new(size, Surface::Foliage, triangles[0]);
     let mut draws = look.draws(76);
-    let green = [[0.078, 0.182, 0.039], [0.111, 0.208, 0.046], [0.13, 0.208, 0.058], [0.072, 0.156, 0.039]];
+    let green = [[0.101, 0.172, 0.074], [0.132, 0.198, 0.087], [0.146, 0.199, 0.097], [0.09, 0.148, 0.068]];
     let kinds = [0, 1].map(|k| patch.shades(Look { colour: look.colour + k, ..look }.tinted(green)));
     // One bush on two to three square metres.
     let places = patch.places((size.x * size.y / 2.6).clamp(2.0, 9.0), &mut draws);
@@ -117,7 +117,7 @@ pub(super) fn climber(size: Vec3, look: Look) -> ActorMesh {
     let mut patch = Patch::new(size, Surface::Foliage, triangles[0]);
     let mut draws = look.draws(77);
     // Ivy, wild vine in summer and in autumn, another ivy.
-    let green = [[0.045, 0.11, 0.03], [0.08, 0.16, 0.035], [0.3, 0.06, 0.03], [0.06, 0.13, 0.035]];
+    let green = [[0.06, 0.104, 0.049], [0.097, 0.152, 0.067], [0.3, 0.06, 0.03], [0.075, 0.123, 0.058]];
     let greens = patch.shades(look.tinted(green));
     let side = (2.0 * 1.7 * size.x * size.z / triangles[0]).sqrt().clamp(0.1, 0.4);
     let [one, other, third] = [0, 1, 2].map(|_| draws.uniform(0.0, 6.0));

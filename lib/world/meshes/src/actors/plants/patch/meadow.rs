@@ -3,13 +3,13 @@
 use glam::Vec3;
 use schema::geometry::Surface;
 
-use super::grown::{Grows, Look, Patch, USUAL};
+use super::grown::{Budget, Grows, Look, Patch, USUAL};
 use crate::actors::ActorMesh;
 use crate::actors::plants::leaves::Draws;
 
 /// Linear colours of the grass of meadows: fresh, light, yellow, in seed.
 const GRASS: [[f32; 3]; 4] =
-    [[0.165, 0.314, 0.058], [0.214, 0.346, 0.083], [0.33, 0.346, 0.107], [0.264, 0.297, 0.099]];
+    [[0.166, 0.319, 0.074], [0.208, 0.354, 0.094], [0.299, 0.361, 0.113], [0.242, 0.309, 0.1]];
 /// Of flowers in it.
 const HEADS: [[f32; 3]; 4] = [[0.75, 0.6, 0.05], [0.7, 0.7, 0.66], [0.55, 0.12, 0.3], [0.3, 0.2, 0.55]];
 
@@ -21,7 +21,9 @@ fn level_way(draws: &mut Draws) -> Vec3 {
 
 /// A meadow: tufts of three blades, some with a flower.
 pub(super) fn meadow(size: Vec3, look: Look) -> ActorMesh {
-    let triangles = USUAL.on(size.x * size.y);
+    // Few wide blades would look like agaves.
+    let budget = Budget { on_m2: 16.0, triangles: [960.0, 640.0, 160.0, 30.0] };
+    let triangles = budget.on(size.x * size.y);
     let mut patch = Patch::new(size, Surface::Grass, triangles[0] * 1.1);
     let mut draws = look.draws(70);
     let greens = patch.shades(look.tinted(GRASS));
@@ -59,7 +61,7 @@ pub(super) fn reed(size: Vec3, look: Look) -> ActorMesh {
     let triangles = USUAL.on(size.x * size.y);
     let mut patch = Patch::new(size, Surface::Grass, triangles[0] * 1.1);
     let mut draws = look.draws(71);
-    let green = [[0.165, 0.255, 0.075], [0.21, 0.27, 0.09], [0.33, 0.3, 0.135], [0.15, 0.225, 0.075]];
+    let green = [[0.159, 0.261, 0.078], [0.196, 0.279, 0.09], [0.294, 0.317, 0.125], [0.144, 0.231, 0.074]];
     let greens = patch.shades(look.tinted(green));
     let straw = patch.leaf([0.3, 0.25, 0.13]);
     let plume = patch.leaf([0.19, 0.13, 0.09]);
