@@ -4,17 +4,12 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
 
-use schema::arrays::{BEV_MASKS, VOXEL_GRIDS};
-use schema::scene_info::LOG_STAGE;
-use schema::table::Row;
-use schema::tables::{CameraRow, TrackRow, ValidBoxRow};
-
 use crate::files::{Table, Unreadable};
 use crate::ledger::Ledger;
 
 /// What is made of each scene, in running order.
 const OF_SCENES: [&str; 6] =
-    [LOG_STAGE, CameraRow::STAGE, BEV_MASKS.stage, VOXEL_GRIDS.stage, ValidBoxRow::STAGE, TrackRow::STAGE];
+    ["simulate-and-log", "render-sensors", "bev-gt", "occupancy-gt", "postprocess-valid", "merge-tracks"];
 
 /// How much of a store, or of some of its scenes, is not there.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -48,8 +48,8 @@ enum Command {
     /// Writes the scripts that make a dataset on a cluster, and sends them on demand.
     Submit(submit::SubmitArgs),
     /// Checks the labels of a store against each other, from its files alone. Exit codes: 0 all is there and
-    /// nothing is wrong, 1 something is wrong, 2 no such store or bad arguments, 3 nothing is wrong in what is
-    /// there, but the store is unfinished.
+    /// nothing is wrong, 1 something is wrong, 2 no such store or bad arguments, 3 nothing is wrong in what
+    /// is there, but the store is unfinished.
     Check(check::CheckArgs),
     /// Shows a store in the browser: opens a page on this machine that plays its scenes, or writes an excerpt
     /// as one file.

@@ -112,8 +112,8 @@ fn sensors_that_do_not_say_where_they_are_are_said() {
     insta::assert_snapshot!(said(text), @r"
     odd.toml:3: `vehicle.lidars[0]` does not say where it is: it is at `xyz_m = [0.0, 0.0, 1.8]`
     odd.toml:8: `vehicle.lidars[2]` does not say where it is: it is at `xyz_m = [0.0, 0.0, 1.8]`
-    odd.toml:14: `rsu.radars[0]` does not say where it is: it is at `xyz_m = [0.0, 0.0, 1.2]`
-    odd.toml:21: `rigs[0].cameras[1]` does not say where it is: it is at `xyz_m = [0.4, 0.4, 1.6]`
+    odd.toml:15: `rsu.radars[0]` does not say where it is: it is at `xyz_m = [0.0, 0.0, 1.2]`
+    odd.toml:22: `rigs[0].cameras[1]` does not say where it is: it is at `xyz_m = [0.4, 0.4, 1.6]`
     ");
 }
 
