@@ -24,6 +24,7 @@ const AGENT: Colour = [24, 96, 222, 255];
 const STATION: Colour = [140, 40, 170, 255];
 const WALKER: Colour = [214, 60, 120, 255];
 const GLASS: Colour = [30, 36, 44, 255];
+const PLATE: Colour = [253, 253, 251, 215];
 const WARNING: Colour = [235, 110, 20, 255];
 
 /// What a thing is, as far as its picture tells.
@@ -247,8 +248,13 @@ fn draw(page: &Page, thing: &MapActor, picture: &mut Picture) {
         }
     }
     if let Some(label) = &thing.label {
+        let at = [middle[0] + reach * 0.6 + 3.0, middle[1] - 5.0];
+        // On asphalt and lawn alike it is read before paper.
+        let length_px = typeface::length_px(label, LABEL_PX, typeface::Weight::Bold);
+        let plate = ([at[0] - 3.0, at[1] - LABEL_PX], [length_px + 6.0, LABEL_PX + 4.0]);
+        picture.shape(Shape::rectangle(plate.0, plate.1, Paint::fill(PLATE)));
         picture.text(Text {
-            at: [middle[0] + reach * 0.6 + 3.0, middle[1] - 5.0],
+            at,
             anchor: Anchor::Start,
             size_px: LABEL_PX,
             bold: true,
