@@ -163,7 +163,9 @@ def try_out(
     (out / f"{entry.name}.tried.json").write_text(
         json.dumps({"seconds_a_step": a_step, "steps": steps, "memory_bytes": memory})
     )
+    falls = "" if last < first else ": it does not fall"
+    whole = a_step * entry.settings.steps / 3600
     return (
-        f"{entry.name}: {steps} steps of {a_step:.2f} s, {memory / 1e9:.1f} GB at most; loss {first:.3f} in the first quarter, {last:.3f} in "
-        f"the last{'' if last < first else ': it does not fall'}; all {entry.settings.steps:,} steps: {a_step * entry.settings.steps / 3600:.1f} h"
+        f"{entry.name}: {steps} steps of {a_step:.2f} s, {memory / 1e9:.1f} GB at most; loss {first:.3f} in the first quarter, "
+        f"{last:.3f} in the last{falls}; all {entry.settings.steps:,} steps: {whole:.1f} h"
     )

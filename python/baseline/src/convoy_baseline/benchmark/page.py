@@ -26,8 +26,8 @@ INTRODUCTION = """# Results
 
 The paper's three tables (SimBEV2X), with its rows, and below them ours, on data that Convoy made: not the paper's data, so that the two
 are no race; what can be held against each other is what cooperation changes. Each run of `make benchmark` leaves a file in
-[results](results/README.md), and this page is made from all that are there ([how](python.md#the-benchmark)); all scores are `convoy evaluate`'s
-([rules](evaluation.md)), in per cent unless a unit is named."""
+[results](results/README.md), and this page is made from all that are there ([how](python.md#the-benchmark)); all scores are
+`convoy evaluate`'s ([rules](evaluation.md)), in per cent unless a unit is named."""
 DIFFERENCES = """## What differs from the paper
 
 * Data: Convoy's own towns, traffic and sensors, with fewer scenes; the paper has 168 scenes to learn from and 60 to be tested on.
