@@ -2,9 +2,9 @@
 
 Usage: python3 run.py [STORE [PROGRAM]]
 The store is one like that of `tests/across/python.rs`; without it, what needs one is skipped, and without Convoy's PROGRAM what hands
-The store is one like that of `tests/across/python.rs`; without it, what needs one is skipped, and without Convoy's PROGRAM what hands
 predictions to it. Needs PyTorch (5 GB) and scipy, which CI has not: exit code 77 says what was not looked at. With CONVOY_THOROUGH=1 all
 nine models learn a moment until they know it by heart: minutes.
+"""
 
 import os
 import pathlib

@@ -42,7 +42,7 @@ DIFFERENCES = """## What differs from the paper
 * Speed and memory are of one ego with its partners, on the machine of the run; the paper's are of an RTX 4090. Without a graphics card
   memory is that of the whole process.
 * An interval has 95 % of the scores of 1,000 draws of the test scenes; of several seeds it is the mean of theirs. Seeds are another
-  matter: their spread stands in [Seeds](#seeds)."""
+  matter: each is told by itself above, where there are several."""
 
 
 def page(records: Sequence[Record], plans: Sequence[str] = (), pictures: Sequence[str] = ()) -> str:
