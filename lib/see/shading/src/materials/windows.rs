@@ -86,8 +86,7 @@ impl Windows {
         let is_stone = matches!(wall, Wall::Plaster | Wall::Brick | Wall::Ashlar);
         let is_tall = is_stone && cells[1] > 2.5;
         let first_landing = if is_on_ground { 1.5 } else { 0.5 };
-        let has_stair =
-            is_stone && cells[0] > 2.5 && cells[1] > first_landing + 0.9 && pick(12) < 0.3;
+        let has_stair = is_stone && cells[0] > 2.5 && cells[1] > first_landing + 0.9 && pick(12) < 0.3;
         Self {
             usual,
             kinds,
