@@ -163,6 +163,11 @@ mod tests {
         );
         let refused =
             ["--cores 65", "--partition small", "--split render-sensors=gpu", "--cores 64 --memory 300"];
-        insta::assert_snapshot!(refused.map(said).join("\n"), @"");
+        insta::assert_snapshot!(refused.map(said).join("\n"), @"
+        no node of partition `cpu` has 65 cores and 67 GiB; the largest have 64 cores and 250 GiB: give --cores 64 --memory 67
+        no node of partition `small` has 16 cores and 18 GiB; the largest have 2 cores and 3 GiB: give --cores 2 --memory 3
+        there is no partition `gpu`; there are cpu, small
+        no node of partition `cpu` has 64 cores and 300 GiB; the largest have 64 cores and 250 GiB: give --cores 64 --memory 250
+        ");
     }
 }

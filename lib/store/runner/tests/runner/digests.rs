@@ -70,7 +70,7 @@ fn settings_are_written_as_ever() {
         said += &format!("{name}: {}\n", digests.iter().map(|d| &d[..8]).collect::<Vec<_>>().join(" "));
     }
     insta::assert_snapshot!(said, @r"
-    benchmark-gpu.toml: 92d61ab6 f772e48e 94a92673 0e37fd3f 5c801ac1 a436178d 6613bdbf 5207b9fd 0f1d1761
+    benchmark-gpu.toml: a6794746 91a7d26b 94a92673 974e7b3c 5c801ac1 a436178d e1c2dea8 5207b9fd 49e7a01e
     benchmark.toml: ce71fedf 2174f3fa 6ddbadbf 711a7267 5c801ac1 a436178d e1c2dea8 5207b9fd e00b19f6
     day-and-night.toml: 21ce82d0 caba3b23 82b5e6b3 65b302c6 961b4abb 0a4ec2fd 322f19e3 eab30c91 b39ae58c
     demo.toml: 187866b6 056dfa7c 82b5e6b3 c20b4b2b 961b4abb 8331b841 5f2eeba9 eab30c91 fe03a8a2
