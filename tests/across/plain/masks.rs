@@ -38,7 +38,8 @@ fn cover(corners: &[Vector3<f64>; 3], size: usize, mut cell: impl FnMut(usize, f
         let last = (high + 1.0).ceil().clamp(0.0, size as f64) as usize;
         ((low - 1.0).floor().max(0.0) as usize)..last
     };
-    // Columns that the triangle comes near to in a row: from its edges between the centres of the rows beside.
+    // Columns that the triangle comes near to in a row: from its edges between the centres of the rows
+    // beside.
     let columns = |row: usize| {
         let (above, below) = (row as f64 - 0.5, row as f64 + 1.5);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);

@@ -109,6 +109,11 @@ impl Engine {
 }
 
 impl SubmitArgs {
+    /// Memory of a task, GiB.
+    pub(super) fn memory_gib(&self) -> u32 {
+        self.memory.unwrap_or(2 + self.cores)
+    }
+
     /// Refuses options of other engines, all at once.
     pub(super) fn check_engine(&self) -> Result<(), String> {
         use Engine::{Kubernetes, Ray, Slurm};

@@ -140,7 +140,7 @@ fn scripts(
         None => absolute(&args.config)?,
     };
     let maps = args.maps.as_deref().map(absolute).transpose()?;
-    let (cores, memory_gib) = (args.cores, memory_gib(args));
+    let (cores, memory_gib) = (args.cores, args.memory_gib());
     let (store, folder) = (store.to_owned(), folder.to_owned());
     if args.engine == Engine::Ray {
         let driver = Driver {
@@ -201,15 +201,11 @@ fn manifests(
         config,
         tasks,
         cores: args.cores,
-        memory_gib: memory_gib(args),
+        memory_gib: args.memory_gib(),
         splits: args.split.clone(),
         at_once: args.at_once,
     };
     Ok(jobs.files())
-}
-
-fn memory_gib(args: &SubmitArgs) -> u32 {
-    args.memory.unwrap_or(2 + args.cores)
 }
 
 fn is_url(store: &Path) -> bool {

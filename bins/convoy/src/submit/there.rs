@@ -5,8 +5,8 @@ use std::process::{Command, Output};
 use super::args::{Engine, SubmitArgs};
 use super::size::counted;
 
-/// Refuses where the engine is not there, or does not take such jobs: before anything is written. Where nothing
-/// is sent, scripts may be meant for another cluster: then what Slurm says here is a warning.
+/// Refuses where the engine is not there, or does not take such jobs: before anything is written. Where
+/// nothing is sent, scripts may be meant for another cluster: then what Slurm says here is a warning.
 pub(super) fn check(args: &SubmitArgs) -> Result<(), String> {
     match args.engine {
         Engine::Slurm if args.submit => slurm(args),
@@ -81,7 +81,7 @@ fn fit(args: &SubmitArgs, places: &[Nodes]) -> Result<(), String> {
             known.dedup();
             return Err(format!("there is no partition `{wanted}`; there are {}", known.join(", ")));
         }
-        let memory_gib = super::memory_gib(args);
+        let memory_gib = args.memory_gib();
         let is_enough =
             |nodes: &&Nodes| nodes.cores >= args.cores && nodes.memory_mib >= u64::from(memory_gib) << 10;
         if !nodes.iter().any(is_enough) {

@@ -56,7 +56,7 @@ pub(super) struct Size {
 /// Fine near by, coarse far away. A light's direction is rounded so that shadows of what is ten metres high
 /// move by less than half of a map's soft edge.
 pub(super) const MAPS: [Size; 3] = [
-    Size { half_m: 12.0, side: 768, cell: 256, steps: 256.0, through_panes: true, detail_m: 15.0 },
+    Size { half_m: 12.0, side: 768, cell: 256, steps: 256.0, through_panes: true, detail_m: 25.0 },
     Size { half_m: 45.0, side: 1024, cell: 384, steps: 256.0, through_panes: true, detail_m: 60.0 },
     Size { half_m: 160.0, side: 768, cell: 192, steps: 64.0, through_panes: true, detail_m: 160.0 },
 ];

@@ -179,7 +179,7 @@ pub(super) const SPECIES: [Species; 14] = [
         stem: 0.85,
         boughs: [26, 5],
         rise: [1.8, 3.0],
-        leaves: leaves(0.17, 1.3, 4.2, [0.0, 0.7], [0.078, 0.132, 0.057]),
+        leaves: leaves(0.17, 1.3, 4.3, [0.0, 0.7], [0.078, 0.132, 0.057]),
         is_evergreen: false,
         bark: GREY,
     },

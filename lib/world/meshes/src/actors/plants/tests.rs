@@ -189,7 +189,7 @@ fn levels_keep_the_area_of_leaves_and_cost_less_and_less() {
         for (size, variant) in all_of(species) {
             let made = tree(species, size, variant);
             let near = area_m2(&leaves(&made.pieces[0].mesh));
-            let mut last = 22_000;
+            let mut last = 13_000;
             for (number, mesh) in levels(&made).enumerate() {
                 let area = area_m2(&leaves(mesh));
                 let within = if number < 3 { 0.15 } else { 0.3 };

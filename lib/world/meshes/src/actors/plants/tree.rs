@@ -16,9 +16,9 @@ use super::wood::{Stem, Wood};
 use crate::actors::ActorMesh;
 
 /// The most twigs with leaves that a tree has at each level; farther away each stands for several.
-const MOST: [f32; LEVELS] = [9500.0, 4000.0, 1150.0, 280.0, 90.0];
+const MOST: [f32; LEVELS] = [5000.0, 1900.0, 550.0, 240.0, 90.0];
 /// Sides of squares of leaves at each level, as multiples.
-const LARGER: [f32; LEVELS] = [0.6, 0.95, 1.5, 2.8, 4.4];
+const LARGER: [f32; LEVELS] = [0.85, 1.4, 2.2, 3.0, 4.4];
 /// How far apart the two leaves of a twig are, as a share of their side.
 const APART: f32 = 1.35;
 /// How much longer than wide leaves are at most at the last level.
