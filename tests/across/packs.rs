@@ -58,7 +58,7 @@ fn models_of_a_pack_are_seen_by_all() {
     bench.run("spawn-planner", &["--maps", &maps]).expect_done();
     // From here on the store is complete by itself.
     std::fs::remove_dir_all(&pack).expect("removes it");
-    for stage in Graph::get().stages.iter().filter(|stage| stage.unit == UnitKind::Scene) {
+    for stage in Graph::get().stages.iter().filter(|stage| stage.unit != UnitKind::Plan) {
         bench.run(stage.name, &[]).expect_done();
     }
     // Boxes, points, pixels, masks and voxels say the same of each object, its model or not.
