@@ -144,7 +144,7 @@ impl SubmitArgs {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use clap::Parser;
 
     use super::*;
@@ -155,7 +155,7 @@ mod tests {
         args: SubmitArgs,
     }
 
-    fn parsed(engine: &str, more: &[&str]) -> Result<SubmitArgs, String> {
+    pub(in crate::submit) fn parsed(engine: &str, more: &[&str]) -> Result<SubmitArgs, String> {
         let line = ["submit", "--engine", engine, "--config", "a.toml", "--store", "/data/a"];
         let all = line.iter().chain(more);
         Line::try_parse_from(all).map(|line| line.args).map_err(|e| e.to_string())

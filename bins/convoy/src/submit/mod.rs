@@ -23,7 +23,7 @@ use runner::{
     Suspicious, say, settings_or_faults,
 };
 use settings::DatasetSettings;
-use store::Store;
+use store::{Store, StoreError};
 
 pub(crate) use self::args::SubmitArgs;
 
@@ -68,7 +68,7 @@ fn submit(args: &SubmitArgs, stamp: &[u8; STAMP_LEN]) -> Result<u8, StageError> 
         Engine::Ray => !is_url(&store),
     };
     // A store that is new gets its plan last: what is refused leaves nothing behind.
-    let is_planned = is_in_place && Store::open_made(&store).is_ok();
+    let is_planned = is_in_place && is_made(&store)?;
     let work = match planned(args, is_planned.then_some(&*store), &settings, stamp)? {
         Planned::Work(work) => work,
         Planned::Ended(code) => return Ok(code),
@@ -221,6 +221,15 @@ fn jobs_folder(store: &Path) -> Result<PathBuf, StageError> {
     let name = store.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let jobs = format!("{name}-jobs");
     if is_url(store) { absolute(Path::new(&jobs)) } else { Ok(store.with_file_name(jobs)) }
+}
+
+/// Whether there is a store. One that cannot be had is no new one.
+fn is_made(store: &Path) -> Result<bool, StoreError> {
+    match Store::open_made(store) {
+        Ok(_) => Ok(true),
+        Err(StoreError::NoStore { .. }) => Ok(false),
+        Err(e) => Err(e),
+    }
 }
 
 /// What planning told.

@@ -130,22 +130,17 @@ fn ray() -> Result<(), String> {
             let why = said(&found);
             let python = python.display();
             let last = why.lines().last().unwrap_or("it ended early");
-            Err(format!("--submit: {python} has no Ray or no convoy-data (PYTHON names another one): {last}"))
+            Err(format!(
+                "--submit: {python} has no Ray or no package `convoy` (PYTHON names another one): {last}"
+            ))
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use clap::Parser;
-
+    use super::super::args::tests::parsed;
     use super::*;
-
-    #[derive(Debug, Parser)]
-    struct Line {
-        #[command(flatten)]
-        args: SubmitArgs,
-    }
 
     #[test]
     fn tasks_need_a_partition_with_a_node_that_is_large_enough() {
@@ -153,8 +148,7 @@ mod tests {
         let places: Vec<Nodes> = told.lines().filter_map(Nodes::parse).collect();
         assert_eq!(places.len(), 3);
         let said = |more: &str| {
-            let line = format!("submit --engine slurm --config a.toml --store /data/a {more}");
-            let args = Line::try_parse_from(line.split_whitespace()).expect("is good").args;
+            let args = parsed("slurm", &more.split_whitespace().collect::<Vec<_>>()).expect("is good");
             fit(&args, &places).err().unwrap_or_default()
         };
         assert_eq!(
