@@ -23,7 +23,7 @@ from convoy_baseline.heads.queries import QueryHead
 from convoy_baseline.inputs import gathered
 from convoy_baseline.loss import loss
 from convoy_baseline.model import Model, lidar_encoder
-from convoy_baseline.parts import counts
+from convoy_baseline.parts import counts, table
 from convoy_baseline.predict import predict
 from convoy_baseline.settings import Settings, read_with_mode
 from convoy_baseline.sweeps import drawn, thinned
@@ -123,6 +123,12 @@ class Files(unittest.TestCase):
                 else:
                     self.assertEqual((model.boxes.queries, model.boxes.classes), (200, 10))
                 self.assertEqual(sum(counts(settings).values()), sum(p.numel() for p in model.parameters()))
+
+    def test_the_page_of_results_tells_their_sizes(self):
+        page = FILES.parents[3] / "docs" / "results.md"
+        if not page.is_file():
+            self.skipTest("the page is not beside the package")
+        self.assertIn(table(sorted((FILES / "full").glob("*/*.toml"))), page.read_text())
 
 
 class Heads(unittest.TestCase):

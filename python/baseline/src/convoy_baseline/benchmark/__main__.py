@@ -29,13 +29,15 @@ from convoy_baseline.benchmark.scores import Judge, gained, predicted, scored
 from convoy_baseline.checkpoint import Run, load
 from convoy_baseline.frames import Keyframes
 from convoy_baseline.pack import KEYS, pack_split
-from convoy_baseline.parts import counts
+from convoy_baseline.parts import counts, table
 from convoy_baseline.settings import Settings
 from convoy_baseline.train import train
 
 PLANS = ("benchmark", "benchmark-gpu", "benchmark-full")
 """Whose rows the page names as open where there is no run."""
 NOTE = "scored.json"
+FULL_SIZE = pathlib.Path("python/baseline/configs/models/full")
+"""The models whose sizes the page tells; like the page itself below the folder in which the benchmark is started."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -116,7 +118,8 @@ def main(arguments: list[str] | None = None) -> int:
             work(options)
         if not options.forecast and options.steps is None:
             pictures = [path.name for path in sorted(options.results.glob("found-*.png"))]
-            options.page.write_text(page(read_all(options.results), PLANS, pictures))
+            sizes = table(sorted(FULL_SIZE.glob("*/*.toml")))
+            options.page.write_text(page(read_all(options.results), PLANS, pictures, sizes))
             print(f"written: {options.page}")
     except (convoy.StoreError, convoy.ProgramError, ValueError, OSError) as fault:
         print(f"error: {fault}", file=sys.stderr)

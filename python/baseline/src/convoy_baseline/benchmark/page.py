@@ -28,6 +28,8 @@ The paper's three tables (SimBEV2X), with its rows, and below them ours, on data
 are no race; what can be held against each other is what cooperation changes. Each run of `make benchmark` leaves a file in
 [results](results/README.md), and this page is made from all that are there ([how](python.md#the-benchmark)); all scores are
 `convoy evaluate`'s ([rules](evaluation.md)), in per cent unless a unit is named."""
+SIZES = """Parameters part by part of the paper's nine models as `benchmark-full` trains them, a detector and a segmenter each, what a partner
+hands on (channels by cells, in half precision) and how many bytes that is a keyframe. Made by `python -m convoy_baseline.parts`."""
 DIFFERENCES = """## What differs from the paper
 
 * Data: Convoy's own towns, traffic and sensors, with fewer scenes; the paper has 168 scenes to learn from and 60 to be tested on.
@@ -45,8 +47,9 @@ DIFFERENCES = """## What differs from the paper
   matter: each is told by itself above, where there are several."""
 
 
-def page(records: Sequence[Record], plans: Sequence[str] = (), pictures: Sequence[str] = ()) -> str:
-    """Everything, as Markdown. Of models of `plans` that have not run, it is said so; `pictures` are names in the folder of results."""
+def page(records: Sequence[Record], plans: Sequence[str] = (), pictures: Sequence[str] = (), sizes: str = "") -> str:
+    """Everything, as Markdown. Of models of `plans` that have not run, it is said so; `pictures` are names in the folder of results,
+    `sizes` is a table of the models in full size."""
     models = [records for records in grouped(records) if records.first.share == 1 and not records.first.spoil]
     boxes = [model for model in models if model.first.boxes]
     masks = [model for model in models if model.first.masks]
@@ -72,6 +75,7 @@ def page(records: Sequence[Record], plans: Sequence[str] = (), pictures: Sequenc
         DIFFERENCES,
         "## Runs",
         *_runs(models),
+        *(["## Models in full size", SIZES, sizes] if sizes else []),
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
