@@ -13,7 +13,8 @@ use arguments::evaluate as asked;
 use arguments::evaluate::{Evaluate, Metrics};
 use evaluation::{
     Breakdown, Evaluation, EvaluationError, ExportedSamples, Extent, MaskEvaluation, MaskFolder, MaskPlan,
-    Plan, PredictionFile, Protocol, SeenBy, evaluate, evaluate_masks, read_results, write_measures,
+    Plan, PredictionFile, Protocol, SeenBy, evaluate, evaluate_masks, read_annotations, read_results,
+    write_measures,
 };
 use export_core::{Selection, Source, matches};
 use runner::{EXIT_DONE, report, say};
@@ -145,14 +146,14 @@ fn warn_of_gaps(result: &Evaluation) {
 /// The scores of predicted boxes.
 fn boxes(args: &Evaluate, store: &Store, predictions: &Path) -> Result<Evaluation, EvaluateError> {
     let all = Source::open(store, &Selection::default(), &NEEDED_OF_BOXES)?;
-    let file = open_predictions(args, &all, predictions)?;
+    let (file, export) = open_predictions(args, &all, predictions)?;
     let scenes = scenes_of_boxes(args, &all, &file)?;
     let protocols: Vec<Protocol> = match args.metrics.as_slice() {
         [] => Protocol::USUAL.to_vec(),
         some => Protocol::ALL.into_iter().filter(|p| some.iter().any(|m| protocol(*m) == *p)).collect(),
     };
     // An export to nuScenes is of the boxes that each agent sees by itself.
-    let of_export = args.nuscenes.is_some();
+    let of_export = export.is_some();
     let seen = match args.seen {
         Some(asked::SeenBy::Ego) => SeenBy::Ego,
         None if of_export => SeenBy::Ego,
@@ -161,10 +162,17 @@ fn boxes(args: &Evaluate, store: &Store, predictions: &Path) -> Result<Evaluatio
             SeenBy::Partners { range_m: args.comm_range_m, elevation_m: args.elevation_m }
         }
     };
+    let annotations = match &export {
+        Some(export) if args.seen.is_none() && protocols.contains(&Protocol::NuScenes) => {
+            Some(read_annotations(export)?)
+        }
+        _ => None,
+    };
     let egos = if of_export { "*" } else { VEHICLES };
     let plan = Plan {
         protocols: &protocols,
         seen,
+        annotations: annotations.as_ref(),
         every_n_frames: args.every,
         extent: extent(args)?,
         attributes_by_speed: args.attributes_by_speed,
@@ -188,8 +196,12 @@ fn boxes(args: &Evaluate, store: &Store, predictions: &Path) -> Result<Evaluatio
     Ok(evaluate(&scenes, &file, &plan)?)
 }
 
-/// Opens a file of predictions: our own, or nuScenes' results.
-fn open_predictions(args: &Evaluate, all: &Source, path: &Path) -> Result<PredictionFile, EvaluateError> {
+/// Opens a file of predictions: our own, or nuScenes' results with the export that they are of.
+fn open_predictions(
+    args: &Evaluate,
+    all: &Source,
+    path: &Path,
+) -> Result<(PredictionFile, Option<ExportedSamples>), EvaluateError> {
     let is_json = path.extension().is_some_and(|end| end == "json");
     match &args.nuscenes {
         Some(folder) if is_json => {
@@ -197,14 +209,15 @@ fn open_predictions(args: &Evaluate, all: &Source, path: &Path) -> Result<Predic
                 let scene = all.scenes.iter().find(|scene| scene.number() == number)?;
                 Some(scene.info().map.clone())
             };
-            Ok(read_results(path, &ExportedSamples::read(folder, map_of)?)?)
+            let export = ExportedSamples::read(folder, map_of)?;
+            Ok((read_results(path, &export)?, Some(export)))
         }
         None if is_json => Err(refused(format!(
             "{}: results of nuScenes need the export that they are of: --nuscenes FOLDER",
             path.display()
         ))),
         Some(_) => Err(refused("--nuscenes goes with --predictions in .json".into())),
-        None => Ok(PredictionFile::open(path)?),
+        None => Ok((PredictionFile::open(path)?, None)),
     }
 }
 
@@ -248,7 +261,10 @@ fn readers(wanted: &Source) -> Result<Vec<SceneReader>, EvaluateError> {
         tracing::warn!("{} scenes are not finished and not evaluated", wanted.unfinished.len());
     }
     if wanted.scenes.is_empty() {
-        return Err(refused("no scene that is wanted is finished: run `make dataset` first".into()));
+        let place = wanted.store.location("");
+        return Err(refused(format!(
+            "no scene that is wanted is finished: run `convoy run --store {place}` first"
+        )));
     }
     Ok(wanted.scenes.iter().map(|scene| scene.reader().clone()).collect())
 }

@@ -100,6 +100,56 @@ fn with_attributes(good: &Value, version: &Path) -> Value {
     result
 }
 
+/// The annotations of an export as a file of results.
+fn annotated(version: &Path) -> Value {
+    let rows = |name: &str| {
+        let table: Vec<Value> = serde_json::from_value(read(&version.join(name))).expect("is a table");
+        let token = |row: &Value| row["token"].as_str().expect("has a token").to_owned();
+        table.into_iter().map(|row| (token(&row), row)).collect::<BTreeMap<String, Value>>()
+    };
+    let (samples, annotations) = (rows("sample.json"), rows("sample_annotation.json"));
+    let (instances, categories) = (rows("instance.json"), rows("category.json"));
+    let attributes = rows("attribute.json");
+    let text = |value: &Value| value.as_str().expect("is a text").to_owned();
+    let time_s =
+        |row: &Value| samples[&text(&row["sample_token"])]["timestamp"].as_f64().expect("is a time") * 1e-6;
+    let mut results: BTreeMap<&str, Vec<Value>> =
+        samples.keys().map(|token| (token.as_str(), vec![])).collect();
+    for row in annotations.values() {
+        let category =
+            text(&categories[&text(&instances[&text(&row["instance_token"])]["category_token"])]["name"]);
+        let class = match category.as_str() {
+            "vehicle.car" | "vehicle.truck" | "vehicle.trailer" | "vehicle.bicycle"
+            | "vehicle.motorcycle" => category.trim_start_matches("vehicle."),
+            "vehicle.bus.rigid" | "vehicle.bus.bendy" => "bus",
+            "movable_object.trafficcone" => "traffic_cone",
+            "movable_object.barrier" => "barrier",
+            "static.other" | "human.pedestrian.wheelchair" | "human.pedestrian.stroller" => continue,
+            _ => "pedestrian",
+        };
+        let [first, last] =
+            ["prev", "next"].map(|beside| annotations.get(&text(&row[beside])).unwrap_or(row));
+        let apart_s = time_s(last) - time_s(first);
+        let speed = [0, 1].map(|axis: usize| {
+            let way = last["translation"][axis].as_f64().zip(first["translation"][axis].as_f64());
+            way.filter(|_| apart_s > 0.0).map(|(to, from)| (to - from) / apart_s)
+        });
+        let token = row["attribute_tokens"][0].as_str();
+        let of = samples.get_key_value(&text(&row["sample_token"])).expect("is there").0.as_str();
+        results.entry(of).or_default().push(json!({
+            "sample_token": of,
+            "translation": row["translation"],
+            "size": row["size"],
+            "rotation": row["rotation"],
+            "velocity": speed,
+            "detection_name": class,
+            "detection_score": 0.5,
+            "attribute_name": token.map_or(json!(""), |token| attributes[token]["name"].clone()),
+        }));
+    }
+    json!({ "meta": { "use_lidar": true }, "results": results })
+}
+
 /// Errors of attributes of the classes of which something was found.
 fn attribute_errors(rows: &[Value]) -> BTreeMap<String, f64> {
     let is_found = |class: &Value| {
@@ -152,7 +202,10 @@ pub(super) fn check(bench: &Bench, columns: &[(&'static str, ArrayRef)], parquet
             (a, b) => assert_eq!(a, b, "{one}"),
         }
     }
-    // Nothing given: the samples that the results name, by what each agent sees itself, and no others.
+    let targets = |rows: &[Value]| -> f64 {
+        rows.iter().filter(|row| row["measure"] == "targets").filter_map(|row| row["value"].as_f64()).sum()
+    };
+    // Nothing given: the samples that the results name, by the export's own annotations, and no others.
     let defaults = |file: &Path, name: &str, more: &[&str]| -> Vec<Value> {
         let out = folder.join(name);
         let args = ["--metrics", "nuscenes", "--out", &out.display().to_string()];
@@ -160,18 +213,50 @@ pub(super) fn check(bench: &Bench, columns: &[(&'static str, ArrayRef)], parquet
         read(&out).as_array().expect("is a list").clone()
     };
     let plain = defaults(&file, "f.json", &["--nuscenes", &from]);
-    let said =
-        defaults(&file, "g.json", &["--nuscenes", &from, "--every", "10", "--seen", "ego", "--agents", "*"]);
+    let said = defaults(&file, "g.json", &["--nuscenes", &from, "--every", "10", "--agents", "*"]);
     assert_eq!(plain, said);
+    // Of the store's boxes the same are there, at unrounded places and with velocities of their own.
+    let stored = defaults(&file, "s.json", &["--nuscenes", &from, "--seen", "ego"]);
+    assert_eq!(targets(&stored), targets(&plain));
+    let precision = |rows: &[Value]| -> Vec<Value> {
+        rows.iter().filter(|row| row["measure"] == "AP").map(|row| row["value"].clone()).collect()
+    };
+    assert_eq!(precision(&stored), precision(&plain));
+    // A frame of which the export has no sample.
+    let out = super::evaluate(bench, &file, &["--metrics", "nuscenes", "--nuscenes", &from, "--every", "5"]);
+    assert!(out.code == 2 && out.stderr.contains("the export has no such sample"), "{}", out.stderr);
+    // The annotations themselves, with velocities as the devkit takes them, are right to the last digit.
+    let exact = write("exact_nusc.json", &annotated(&version).to_string());
+    let exact = defaults(&exact, "x.json", &["--nuscenes", &from]);
+    let of = |class: &Value, name: &str| -> Vec<f64> {
+        let rows = exact.iter().filter(|row| row["class"] == *class && row["measure"] == name);
+        rows.filter_map(|row| row["value"].as_f64()).collect()
+    };
+    let has = |row: &&Value| row["measure"] == "targets" && row["value"].as_f64() > Some(0.0);
+    let classes: Vec<&Value> = exact.iter().filter(has).map(|row| &row["class"]).collect();
+    assert!(classes.len() > 2, "{classes:?}");
+    for class in classes {
+        assert!(
+            of(class, "AP").iter().all(|value| (value - 1.0).abs() < 1e-9),
+            "{class}: {:?}",
+            of(class, "AP")
+        );
+        for name in ["ATE", "ASE", "AOE", "AVE", "AAE"] {
+            assert!(
+                of(class, name).iter().all(|error| *error < 1e-9),
+                "{class} {name}: {:?}",
+                of(class, name)
+            );
+        }
+    }
+    let car = json!("car");
+    assert!(["ATE", "AVE", "AAE"].iter().all(|name| of(&car, name).len() == 1), "cars have errors");
     // Without the boxes of a sample it still counts.
     let mut fewer = good.clone();
     let first =
         fewer["results"].as_object_mut().and_then(|all| all.values_mut().next()).expect("has samples");
     *first = json!([]);
     let fewer = write("fewer_nusc.json", &fewer.to_string());
-    let targets = |rows: &[Value]| -> f64 {
-        rows.iter().filter(|row| row["measure"] == "targets").filter_map(|row| row["value"].as_f64()).sum()
-    };
     assert_eq!(targets(&defaults(&fewer, "h.json", &["--nuscenes", &from])), targets(&plain));
     // Only what an agent has points of is annotated.
     let of_ego = ["--nuscenes", &from, "--seen", "ego"];

@@ -59,7 +59,7 @@ pub use joined::Joined;
 pub use lamp_kind::LampKind;
 pub use layer::Layer;
 pub use normals::Normal;
-pub use nuscenes::{NUSCENES_ATTRIBUTES, STANDING_MPS, is_trailer, nuscenes_attribute};
+pub use nuscenes::{NUSCENES_ATTRIBUTES, STANDING_MPS, is_trailer, nuscenes_attribute, nuscenes_class};
 pub use published::{Published, SceneBins};
 pub use return_kind::ReturnKind;
 pub use sensor_kind::SensorKind;

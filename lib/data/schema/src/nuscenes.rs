@@ -17,6 +17,28 @@ pub const NUSCENES_ATTRIBUTES: [(&str, &str); 8] = [
 /// Slower than this is standing, m/s.
 pub const STANDING_MPS: f64 = 0.2;
 
+/// The class that a category of nuScenes counts as, by nuscenes-devkit's rule; others are neither learnt nor
+/// evaluated.
+#[must_use]
+pub fn nuscenes_class(category: &str) -> Option<&'static str> {
+    Some(match category {
+        "movable_object.barrier" => "barrier",
+        "movable_object.trafficcone" => "traffic_cone",
+        "vehicle.bicycle" => "bicycle",
+        "vehicle.bus.bendy" | "vehicle.bus.rigid" => "bus",
+        "vehicle.car" => "car",
+        "vehicle.construction" => "construction_vehicle",
+        "vehicle.motorcycle" => "motorcycle",
+        "vehicle.trailer" => "trailer",
+        "vehicle.truck" => "truck",
+        "human.pedestrian.adult"
+        | "human.pedestrian.child"
+        | "human.pedestrian.construction_worker"
+        | "human.pedestrian.police_officer" => "pedestrian",
+        _ => return None,
+    })
+}
+
 /// Whether an object is a trailer to nuScenes: the trailer of an articulated lorry, a truck in a store.
 #[must_use]
 pub fn is_trailer(class: DetectionClass, facts: &Attributes) -> bool {

@@ -49,7 +49,8 @@ pub struct Evaluate {
     /// The metrics of boxes (default: all but simbev2x-iou).
     #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
     pub metrics: Vec<Metrics>,
-    /// By whom a box must be seen to count (default: partners; of nuScenes' results ego).
+    /// By whom a box of the store must be seen to count (default: partners; of nuScenes' results ego, and
+    /// nuScenes' metrics hold them against the export's own annotations).
     #[arg(long, value_enum)]
     pub seen: Option<SeenBy>,
     /// How far away a partner may be, m.

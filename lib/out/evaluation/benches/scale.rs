@@ -53,6 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let plan = Plan {
             protocols,
             seen: SeenBy::Partners { range_m: 80.0, elevation_m: 4.8 },
+            annotations: None,
             every_n_frames: None,
             extent: None,
             attributes_by_speed: false,

@@ -1,10 +1,12 @@
 #![doc = include_str!("../README.md")]
 
+mod annotations;
 mod attribute;
 mod boxes;
 mod class;
 mod details;
 mod error;
+mod exported;
 mod extent;
 mod interpolation;
 mod level;
@@ -26,16 +28,19 @@ mod ring;
 mod run;
 mod sample;
 mod samples;
+mod scratch;
 mod simbev2x;
 mod tally;
 mod targets;
 mod values;
 mod write;
 
+pub use annotations::read_annotations;
 pub use boxes::{Prediction, SampleId, Sighting, Solid, Target};
 pub use class::BoxClass;
 pub use details::{ClassDetails, Details, Found};
 pub use error::EvaluationError;
+pub use exported::ExportedSamples;
 pub use extent::Extent;
 pub use level::{LEVELS, Level};
 pub use masks::{
@@ -52,7 +57,7 @@ pub use predictions::{COLUMNS, ColumnDoc, FoundBox, PredictionFile, PredictionRo
 pub use protocol::{Protocol, THRESHOLDS_M, THRESHOLDS_VOLUME_IOU};
 pub use resample::Spread;
 pub use result::{Breakdown, Evaluation, ResultRow};
-pub use results::{ExportedSamples, read_results};
+pub use results::read_results;
 pub use ring::Ring;
 pub use run::{Plan, evaluate};
 pub use simbev2x::{SimBev2xClass, SimBev2xScores, SimBev2xTally};

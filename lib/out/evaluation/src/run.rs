@@ -5,6 +5,7 @@ use scene::SceneReader;
 use schema::AgentId;
 
 use crate::EvaluationError;
+use crate::annotations::SceneAnnotations;
 use crate::attribute;
 use crate::boxes::{Prediction, SampleId, Solid, Target};
 use crate::extent::Extent;
@@ -27,6 +28,8 @@ pub struct Plan<'a> {
     pub protocols: &'a [Protocol],
     /// By whom a box must be seen to be a target.
     pub seen: SeenBy,
+    /// The annotations of an export, which are nuScenes' targets then; none: these are of the store, too.
+    pub annotations: Option<&'a PredictionFile>,
     /// Samples are frames 0, n, 2 n, ... of every ego; none: those that the file names.
     pub every_n_frames: Option<u32>,
     /// The part of an ego's surroundings in which targets and predictions count; none: all of it.
@@ -109,13 +112,15 @@ fn of_scene(
     (whole.counts.rows, whole.counts.left_out) = (rows.len() as u64, (all - rows.len()) as u64);
     (whole.counts.without_boxes, whole.counts.between) = (samples.without_boxes, samples.between);
     let labels = SceneLabels::read(scene, |frame| samples.has_frame(frame))?;
+    let annotations = plan.annotations.map(|file| SceneAnnotations::read(file, scene)).transpose()?;
+    let truth = (&labels, annotations.as_ref());
     let egos: Vec<_> = samples.frames().collect();
     let parts: Vec<_> = egos
         .par_iter()
         .map(|(ego, frames)| {
             let mut part = Part::new(modes.len());
             for frame in frames.iter() {
-                add_sample(&mut part, (number, *frame, *ego), &labels, &rows, modes, plan)?;
+                add_sample(&mut part, (number, *frame, *ego), truth, &rows, modes, plan)?;
             }
             Ok::<Part, EvaluationError>(part)
         })
@@ -129,7 +134,7 @@ fn of_scene(
 fn add_sample(
     part: &mut Part,
     (scene, frame, ego): (u32, u32, AgentId),
-    labels: &SceneLabels,
+    (labels, annotations): (&SceneLabels, Option<&SceneAnnotations>),
     rows: &[PredictionRow],
     modes: &[Mode],
     plan: &Plan<'_>,
@@ -149,15 +154,25 @@ fn add_sample(
     let vehicles = seen().filter(|label| label.id != pose.id && label.class.is_opv2v_vehicle());
     let opv2v: Vec<Target> = vehicles.map(|label| target(0, label)).collect();
     let has_points = |label: &&Label| plan.seen == SeenBy::Nobody || label.points > 0;
-    let nuscenes: Vec<Target> = boxes
-        .iter()
-        .filter(|label| label.id != pose.id)
-        .filter(has_points)
-        .filter_map(|label| {
+    let of_store = || {
+        let others = boxes.iter().filter(|label| label.id != pose.id).filter(has_points);
+        let near = others.filter_map(|label| {
             let (class, range_m) = label.class.in_nuscenes()?;
             Some(target(class, label)).filter(|target| target.distance_m < range_m)
-        })
-        .collect();
+        });
+        near.collect()
+    };
+    let nuscenes: Vec<Target> = match annotations {
+        Some(annotations) => {
+            let targets = annotations.targets(frame, ego, pose.xyz_m).ok_or_else(|| {
+                EvaluationError::Refused(format!(
+                    "scene {scene}, frame {frame}, {ego}: the export has no such sample (--seen ego takes the store's boxes)"
+                ))
+            })?;
+            targets.into_iter().filter(|target| counts(&target.solid)).collect()
+        }
+        None => of_store(),
+    };
     for (mode, tally) in modes.iter().zip(&mut part.modes) {
         let found: Vec<&FoundBox> = rows[range_of(rows, ego, frame, *mode)]
             .iter()

@@ -12,6 +12,7 @@ use std::io;
 
 use frames::math::atan2;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use schema::nuscenes_class;
 
 use super::boxes::category_token;
 use super::mask::MapMask;
@@ -43,26 +44,6 @@ const CLASSES: [&str; 10] = [
     "traffic_cone",
     "barrier",
 ];
-
-/// The class that a category is of; none is trained of the others.
-fn class_of(category: &str) -> Option<&'static str> {
-    Some(match category {
-        "movable_object.barrier" => "barrier",
-        "movable_object.trafficcone" => "traffic_cone",
-        "vehicle.bicycle" => "bicycle",
-        "vehicle.bus.bendy" | "vehicle.bus.rigid" => "bus",
-        "vehicle.car" => "car",
-        "vehicle.construction" => "construction_vehicle",
-        "vehicle.motorcycle" => "motorcycle",
-        "vehicle.trailer" => "trailer",
-        "vehicle.truck" => "truck",
-        "human.pedestrian.adult"
-        | "human.pedestrian.child"
-        | "human.pedestrian.construction_worker"
-        | "human.pedestrian.police_officer" => "pedestrian",
-        _ => return None,
-    })
-}
 
 /// Writes `infos/mmdet3d_SPLIT.pkl` and `infos/mmdet3d_0x_SPLIT.pkl`.
 pub(crate) fn write(
@@ -239,7 +220,7 @@ impl Tables {
             yaw_rad: atan2(ahead.y, ahead.x),
             velocity_mps: velocity.map_or([f64::NAN; 2], |v| [v.x, v.y]),
             category,
-            class: class_of(category),
+            class: nuscenes_class(category),
             points: [of.num_lidar_pts, of.num_radar_pts],
         }
     }

@@ -120,7 +120,7 @@ fn planned(store: &Store) -> Result<Vec<Planned>, ExportError> {
     let plan = store.manifest(Scope::Plan, PlanSceneRow::STAGE)?.ok_or_else(|| {
         let place = store.location("");
         ExportError::Refused(format!(
-            "{place}: there is no finished store (no plan); run `make dataset` first"
+            "{place}: there is no finished store (no plan): `convoy run --store {place}` makes one"
         ))
     })?;
     Ok(store.read_rows(&plan, keys::PLAN_SCENES)?)
