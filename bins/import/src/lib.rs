@@ -42,7 +42,7 @@ fn run(args: &ImportArgs) -> Result<u8, ImportError> {
     let programs = Programs::of_build(build_stamp::STAMP, Some("import"));
     let selection = Selection { scenes, force: args.force, made_by: Some(programs.made_by("import")) };
 
-    let _lock = if args.dry_run { None } else { hold(&store)? };
+    let _lock = if args.dry_run { None } else { Some(hold(&store)?) };
     let found = pool.install(|| prospect(&source, &store, &selection))?;
     announce(&found);
     if args.dry_run {
@@ -72,7 +72,7 @@ fn run(args: &ImportArgs) -> Result<u8, ImportError> {
 }
 
 /// Holds the store: an import writes the plan when it ends, and knows no scenes that others plan meanwhile.
-fn hold(store: &Store) -> Result<Option<Lock>, ImportError> {
+fn hold(store: &Store) -> Result<Lock, ImportError> {
     runner::hold_alone(store, "import").map_err(|error| match error {
         StageError::Store(error) => ImportError::Store(error),
         StageError::Stopped => ImportError::Stopped,

@@ -37,7 +37,12 @@ pub(crate) fn hold(
 /// # Errors
 /// Somebody works by another configuration, the store cannot be read or written, or a signal came.
 pub fn hold_for_all_stages(config: Option<&Path>, store: &Path) -> Result<Option<Lock>, StageError> {
-    let Ok(store) = Store::open(store) else { return Ok(None) };
+    let store = match Store::open(store) {
+        // A service that is away was waited for already.
+        Err(away) if away.is_transient() => return Err(away.into()),
+        opened => opened.ok(),
+    };
+    let Some(store) = store else { return Ok(None) };
     let settings = match config {
         Some(config) => settings::load(config).ok().map(|(settings, _)| settings),
         None => editions::newest_recorded(&store).ok(),
@@ -48,9 +53,13 @@ pub fn hold_for_all_stages(config: Option<&Path>, store: &Path) -> Result<Option
 /// Holds a store for work that goes together with no other.
 ///
 /// # Errors
-/// Somebody works on it, it cannot be read or written, or a signal came.
-pub fn hold_alone(store: &Store, program: &str) -> Result<Option<Lock>, StageError> {
-    held(store, &Work::alone(program))
+/// Somebody works on it, it or its locks cannot be read or written, or a signal came.
+pub fn hold_alone(store: &Store, program: &str) -> Result<Lock, StageError> {
+    // Without a lock others would be at work at the same time.
+    held(store, &Work::alone(program))?.ok_or_else(|| {
+        let place = store.location("_locks");
+        StageError::usage(format!("{place}: cannot be written, so others cannot be kept away meanwhile"))
+    })
 }
 
 fn held(store: &Store, work: &Work) -> Result<Option<Lock>, StageError> {

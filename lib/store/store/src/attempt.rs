@@ -167,7 +167,7 @@ impl Attempt {
     ) -> Result<(Redo, Earlier), StoreError> {
         let (scope, stage) = (identity.scope, identity.stage.as_str());
         let redo_key = scope.redo(stage);
-        let read = if records.contains(&redo_key) { sound(store.read_json(&redo_key))? } else { None };
+        let read = if records.contains(&redo_key) { sound(store.redo(&redo_key))? } else { None };
         let read: Redo = read.unwrap_or_default();
         let mut redo = read.clone();
         let mut earlier = Earlier::default();
@@ -176,7 +176,7 @@ impl Attempt {
         }
         let parts = scope.parts(stage);
         for key in records.iter().filter(|key| key.starts_with(&parts)) {
-            let Some(part) = sound(store.read_json::<Manifest>(key))? else { continue };
+            let Some(part) = sound(store.part(key))? else { continue };
             earlier.add(&part, identity, force);
             if !identity.is_of(&part) {
                 redo.replaces.extend(part.outputs.into_iter().map(|output| output.key));
@@ -306,7 +306,7 @@ impl Attempt {
         let key = self.identity.scope.part(&self.identity.stage, name);
         // What another process finishes at this moment is made once more, with the same bytes.
         if self.records.contains(&key)
-            && let Some(part) = sound(self.store.read_json::<Manifest>(&key))?
+            && let Some(part) = sound(self.store.part(&key))?
         {
             let same = Manifest {
                 format_version: part.format_version,

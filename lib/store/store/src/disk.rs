@@ -308,9 +308,16 @@ impl Backend for Disk {
         let mut swept = 0;
         for (path, name) in self.unfinished_files(area)? {
             if name.owner == owner && name.is_abandoned(&path) {
-                fs::remove_file(&path)
-                    .map_err(|e| StoreError::write(path.display().to_string(), "remove the leftover", e))?;
-                swept += 1;
+                match fs::remove_file(&path) {
+                    // Another process sweeps the same.
+                    Err(e) if is_absent(&e) => {}
+                    removed => {
+                        removed.map_err(|e| {
+                            StoreError::write(path.display().to_string(), "remove the leftover", e)
+                        })?;
+                        swept += 1;
+                    }
+                }
             }
         }
         Ok(swept)

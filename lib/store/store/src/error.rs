@@ -110,7 +110,7 @@ pub enum StoreError {
     },
     /// There is nothing.
     #[error(
-        "{path} is no store: it has neither dataset.json nor a plan (`make dataset STORE=...` makes one)"
+        "{path} is no store: it has neither dataset.json nor a plan (`convoy run --store {path}` makes one)"
     )]
     NoStore {
         /// The place.

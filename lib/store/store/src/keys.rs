@@ -94,6 +94,19 @@ impl Scope {
     }
 }
 
+/// Whether a record (a manifest, of a unit or of redoing) may name an object: one in the folders in which
+/// stages of its own scope write. Records are read from places that others can write, too.
+pub(crate) fn may_name(record: &str, key: &str) -> bool {
+    // Names of records and of their folders begin with a low line.
+    let own = record.split("/_").next().unwrap_or_default();
+    let whole = [Scope::Plan, Scope::Stats].into_iter().find(|scope| scope.folder() == own);
+    let folders = whole.map_or_else(|| vec![own.to_owned()], Scope::folders);
+    let is_in = |folder: &String| key.strip_prefix(folder).is_some_and(|rest| rest.starts_with('/'));
+    let is_at_top = whole.is_some_and(Scope::writes_at_top) && !key.contains('/');
+    let is_plain = |part: &str| !matches!(part, "" | "." | "..") && !part.contains('\\');
+    (folders.iter().any(is_in) || is_at_top) && key.split('/').all(is_plain)
+}
+
 /// The folder of locks: who works on the store. They are nothing of the dataset.
 pub const LOCKS: &str = "_locks";
 /// Format version, resolved configuration, code version.
@@ -179,4 +192,43 @@ pub fn array(scene: u32, kind: &ArrayKind, agent: AgentId) -> String {
 #[must_use]
 pub fn partial_stats(scene: u32, stage: &str) -> String {
     format!("scenes/{scene:04}/stats/{stage}.parquet")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_name_what_lies_in_their_folders() {
+        let tile = Scope::Tile { set: 7, index: TileIndex { x: -1, y: 2 } };
+        let records = |scope: Scope| [scope.manifest("s"), scope.part("s", "u"), scope.redo("s")];
+        let mesh = format!("{}/meshes.parquet", tile.folder());
+        for (scope, key) in [
+            (Scope::Plan, "maps/convoy/demo.xodr.zst"),
+            (Scope::Plan, "models/van/van.bin"),
+            (Scope::Plan, PLAN_SCENES),
+            (Scope::Plan, DATASET),
+            (Scope::Stats, "README.md"),
+            (Scope::Stats, "stats/report.html"),
+            (Scope::Scene(3), "scenes/0003/bev/vehicle_0.npz"),
+            (tile, mesh.as_str()),
+        ] {
+            assert!(records(scope).iter().all(|record| may_name(record, key)), "{key}");
+        }
+        for (scope, key) in [
+            (Scope::Plan, "scenes/0000/a"),
+            (Scope::Stats, "maps/a"),
+            (Scope::Scene(3), "scenes/0004/a"),
+            (Scope::Scene(3), "scenes/00031/a"),
+            (Scope::Scene(3), "scenes/0003/../0004/a"),
+            (Scope::Scene(3), "scenes/0003//a"),
+            (Scope::Scene(3), "../a"),
+            (Scope::Scene(3), "/etc/passwd"),
+            (Scope::Scene(3), "README.md"),
+            (Scope::Scene(3), ""),
+            (tile, "tiles/a"),
+        ] {
+            assert!(!records(scope).iter().any(|record| may_name(record, key)), "{key}");
+        }
+    }
 }

@@ -47,12 +47,12 @@ pub(crate) fn known(
                 }
             }
             Some(Record::Part) => {
-                let part: Option<Manifest> = sound_or_finding(store.read_json(key), key, findings)?;
+                let part: Option<Manifest> = sound_or_finding(store.part(key), key, findings)?;
                 known.in_hand.extend(part.into_iter().flat_map(|p| p.outputs).map(|output| output.key));
                 known.in_hand.insert(key.clone());
             }
             Some(Record::Redo) => {
-                let redo: Option<Redo> = sound_or_finding(store.read_json(key), key, findings)?;
+                let redo: Option<Redo> = sound_or_finding(store.redo(key), key, findings)?;
                 known.in_hand.extend(redo.into_iter().flat_map(|redo| redo.replaces));
                 known.in_hand.insert(key.clone());
             }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::keys::may_name;
 use crate::parallel::side_by_side;
 use crate::{Scope, Store, StoreError, hash_bytes};
 
@@ -229,7 +230,36 @@ impl Store {
     pub(crate) fn parse_manifest(&self, key: &str, text: &[u8]) -> Result<Manifest, StoreError> {
         // The version first: what follows it may look otherwise in another one.
         self.check_format(key, text)?;
-        self.parse(key, text)
+        let manifest: Manifest = self.parse(key, text)?;
+        self.check_names(key, manifest.outputs.iter().map(|output| &output.key))?;
+        Ok(manifest)
+    }
+
+    /// Refuses a record that names what its stage cannot have written: nobody follows it.
+    pub(crate) fn check_names<'a>(
+        &self,
+        record: &str,
+        mut names: impl Iterator<Item = &'a String>,
+    ) -> Result<(), StoreError> {
+        names.find(|name| !may_name(record, name)).map_or(Ok(()), |name| {
+            let problem = format!("names `{name}`, which is not in its folder");
+            Err(StoreError::Corrupt { path: self.location(record), problem })
+        })
+    }
+
+    /// The record of a finished unit.
+    pub(crate) fn part(&self, key: &str) -> Result<Option<Manifest>, StoreError> {
+        let Some(part) = self.read_json::<Manifest>(key)? else { return Ok(None) };
+        self.check_names(key, part.outputs.iter().map(|output| &output.key))?;
+        Ok(Some(part))
+    }
+
+    /// What a stage that is being done again replaces.
+    pub(crate) fn redo(&self, key: &str) -> Result<Option<Redo>, StoreError> {
+        let Some(redo) = self.read_json::<Redo>(key)? else { return Ok(None) };
+        let old = redo.old.iter().flat_map(|old| &old.outputs).map(|output| &output.key);
+        self.check_names(key, redo.replaces.iter().chain(old))?;
+        Ok(Some(redo))
     }
 
     /// Refuses a document that names a format version that is not read. A damaged one is for its readers to

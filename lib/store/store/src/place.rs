@@ -4,6 +4,8 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use percent_encoding::percent_decode_str;
+
 use crate::{Backend, Disk, Memory, StoreError, objects};
 
 /// The place of storage that a path or a URL names.
@@ -17,6 +19,9 @@ pub(crate) fn open(place: &OsStr) -> Result<Arc<dyn Backend>, StoreError> {
     }
     match text.split_once("://") {
         None if text.is_empty() => Err(unsupported("names no place")),
+        None if ["s3:/", "az:/", "gs:/", "file:/"].iter().any(|scheme| text.starts_with(scheme)) => {
+            Err(unsupported("has one / behind the colon, where a URL has two"))
+        }
         None => folder(Path::new(text)),
         Some(("file", rest)) => {
             let path = rest.strip_prefix("localhost").unwrap_or(rest);
@@ -54,19 +59,10 @@ fn folder(path: &Path) -> Result<Arc<dyn Backend>, StoreError> {
 
 /// A path whose bytes may be written as `%20`.
 fn decoded(path: &str) -> Option<PathBuf> {
-    let mut bytes = Vec::with_capacity(path.len());
-    let mut rest = path.as_bytes();
-    while let Some((&first, tail)) = rest.split_first() {
-        rest = tail;
-        if first == b'%' {
-            let digits = tail.get(..2).filter(|d| d.iter().all(u8::is_ascii_hexdigit))?;
-            bytes.push(u8::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok()?);
-            rest = &tail[2..];
-        } else {
-            bytes.push(first);
-        }
-    }
-    String::from_utf8(bytes).ok().map(PathBuf::from)
+    let is_whole =
+        |after: &str| after.as_bytes().get(..2).is_some_and(|two| two.iter().all(u8::is_ascii_hexdigit));
+    let decoded = percent_decode_str(path).decode_utf8().ok()?;
+    path.split('%').skip(1).all(is_whole).then(|| PathBuf::from(decoded.as_ref()))
 }
 
 #[cfg(test)]
@@ -110,6 +106,7 @@ mod tests {
             ("file://server/data", "file:///FOLDER"),
             ("file:///data%2", "without two hexadecimal digits"),
             ("", "names no place"),
+            ("s3:/sets/rain", "one / behind the colon"),
         ] {
             let text = Store::open(place).expect_err(place).to_string();
             assert!(text.contains(problem) && text.contains(place) && text.contains("a folder"), "{text}");

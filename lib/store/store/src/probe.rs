@@ -1,6 +1,7 @@
 //! Whether a place keeps what a store rests on, tried before a plan is made.
 
 use crate::lock::tag;
+use crate::process::{is_running, marked_host};
 use crate::{Store, StoreError, keys};
 
 /// First part of the names of what is put to try a place.
@@ -14,7 +15,15 @@ const PROBE: &str = "probe-";
 /// [`StoreError::Unfit`] names what failed; or the place cannot be read or written at all.
 pub fn probe(store: &Store) -> Result<(), StoreError> {
     let backend = store.backend();
-    let key = format!("{}/{PROBE}{}", keys::LOCKS, tag());
+    let own = format!("{}/{PROBE}{}~", keys::LOCKS, marked_host());
+    let key = format!("{own}{}", tag());
+    // What processes of this machine left that were killed meanwhile.
+    for left in backend.keys(keys::LOCKS)? {
+        let process = left.strip_prefix(&own).and_then(|rest| rest.split('~').next()?.parse().ok());
+        if process.is_some_and(|process| !is_running(process)) {
+            backend.remove(&left)?;
+        }
+    }
     let unfit = |problem: &str| StoreError::Unfit { path: store.location(""), problem: problem.to_owned() };
     let (first, second) = (*b"of two that put one object", *b"one succeeds");
     let tried = (|| {
@@ -53,4 +62,32 @@ pub fn remove_probes(store: &Store) -> Result<(), StoreError> {
     let start = format!("{}/{PROBE}", keys::LOCKS);
     let left = store.backend().keys(keys::LOCKS)?.into_iter().filter(|key| key.starts_with(&start));
     left.into_iter().try_for_each(|key| store.backend().remove(&key))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_killed_processes_of_this_machine_left_is_removed() {
+        let mut ended = std::process::Command::new("true").spawn().expect("starts");
+        ended.wait().expect("ends");
+        let store = Store::open("memory:").expect("opens");
+        let (own, host) = (std::process::id(), marked_host());
+        let names = [
+            format!("{host}~{}~1-0", ended.id()),
+            format!("{host}~{own}~1-0"),
+            format!("elsewhere+0~{}~1-0", ended.id()),
+        ];
+        let [left, ours, foreign] = names.map(|name| format!("{}/{PROBE}{name}", keys::LOCKS));
+        for key in [&left, &ours, &foreign] {
+            assert!(store.backend().put_if_absent(key, keys::LOCKS, b"").expect("puts"));
+        }
+        probe(&store).expect("is fit");
+        let mut there = vec![ours, foreign];
+        there.sort();
+        assert_eq!(store.backend().keys(keys::LOCKS).expect("lists"), there);
+        remove_probes(&store).expect("removes");
+        assert_eq!(store.backend().keys(keys::LOCKS).expect("lists"), Vec::<String>::new());
+    }
 }

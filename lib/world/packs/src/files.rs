@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
+use percent_encoding::percent_decode_str;
+
 /// Files by their paths in a pack (`/` between folders).
 pub trait Files {
     /// The bytes of a file, at most one more than `most`; `None`: there is none.
@@ -46,30 +48,16 @@ impl Files for Folder {
 
 /// The path that a URI of a file in folder `beside` names; `None`: it may lie outside of the pack.
 pub(crate) fn inside(beside: &str, uri: &str) -> Option<String> {
-    let decoded = percent_decoded(uri)?;
+    let decoded = percent_decode_str(uri).decode_utf8().ok()?;
     let is_plain = |part: &str| {
         !part.is_empty()
             && !part.starts_with('.')
             && part.chars().all(|c| c.is_alphanumeric() || matches!(c, '.' | '_' | '-' | ' ' | '(' | ')'))
     };
     let path = Path::new(beside).parent().and_then(Path::to_str).filter(|folder| !folder.is_empty());
-    let path = path.map_or(decoded.clone(), |folder| format!("{folder}/{decoded}"));
+    let path = path.map_or_else(|| decoded.to_string(), |folder| format!("{folder}/{decoded}"));
     // Pages are told from what they name.
     (path.split('/').all(is_plain) && !path.ends_with(".toml") && path.len() < 200).then_some(path)
-}
-
-fn percent_decoded(uri: &str) -> Option<String> {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.bytes();
-    while let Some(byte) = rest.next() {
-        bytes.push(if byte == b'%' {
-            let digit = |b: Option<u8>| char::from(b?).to_digit(16);
-            (16 * digit(rest.next())? + digit(rest.next())?) as u8
-        } else {
-            byte
-        });
-    }
-    String::from_utf8(bytes).ok()
 }
 
 #[cfg(test)]

@@ -13,10 +13,10 @@ use object_store::{
     CopyOptions, Error, GetOptions, GetResult, ListResult, MultipartUpload, ObjectMeta, ObjectStore,
     PutMultipartOptions, PutOptions, PutPayload, PutResult, Result, UploadPart,
 };
-use schema::tables::LidarRow;
+use schema::tables::{GnssRow, LidarRow};
 use store::{Objects, Store, StoreError, TableOptions};
 
-use crate::common::{STAGE, identity, key};
+use crate::common::{STAGE, gnss, identity, key, run};
 
 /// What goes wrong with a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,6 +178,16 @@ fn small_things_are_one_request() {
 }
 
 #[test]
+fn a_small_table_is_one_request() {
+    let (service, store) = store(&[]);
+    let manifest = run(&store, "c", false, &["vehicle_0"]).expect("runs");
+    assert!(manifest.outputs[0].bytes < 1 << 20, "{manifest:?}");
+    service.gets.store(0, Ordering::Relaxed);
+    let rows: Vec<GnssRow> = store.read_rows(&manifest, &key("vehicle_0")).expect("reads");
+    assert_eq!((rows.len(), service.gets.load(Ordering::Relaxed)), (gnss(40).len(), 1));
+}
+
+#[test]
 fn frames_are_a_request_or_two_a_mebibyte() {
     let (service, store) = store(&[]);
     let attempt = store::Attempt::start(&store, identity("c"), false).expect("starts");
@@ -210,6 +220,12 @@ fn frames_are_a_request_or_two_a_mebibyte() {
     // The index, and small frames together; a stream may now and then read beyond what was fetched for one.
     let bytes = manifest.outputs[0].bytes;
     assert!((2..=2 + 2 * (bytes as usize >> 20)).contains(&gets), "{gets} for 12 frames of {bytes} bytes");
+    // One of them alone, once the table's end is known.
+    let one = store.rows_at::<LidarRow>(&manifest, &key("vehicle_0"), vec![7..8]).expect("opens");
+    service.gets.store(0, Ordering::Relaxed);
+    let read: Vec<LidarRow> = one.flat_map(|group| group.expect("reads")).collect();
+    assert!(read.len() == 1 && read[0] == frame(7));
+    assert!((1..=2).contains(&service.gets.load(Ordering::Relaxed)), "{:?}", service.gets);
 }
 
 #[test]

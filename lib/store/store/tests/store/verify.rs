@@ -4,7 +4,10 @@
 use std::io::Write;
 use std::time::Duration;
 
-use store::{Attempt, Failure, Finding, Problem, Scope, Strays, Verification, remove_strays, verify};
+use store::{
+    Attempt, Failure, Finding, Manifest, Output, Problem, Redo, Scope, Strays, Verification, remove_strays,
+    verify,
+};
 
 use crate::common::{Bench, SCOPE, STAGE, gnss, identity, key, on_every_backend, run, run_half};
 
@@ -16,6 +19,7 @@ on_every_backend!(
     what_is_in_the_making_is_no_stray,
     records_that_cannot_be_read_are_named,
     each_flipped_bit_of_a_manifest_is_found,
+    what_lies_elsewhere_is_neither_followed_nor_removed,
 );
 
 fn checked(bench: &Bench) -> Verification {
@@ -65,7 +69,9 @@ fn old_strays_are_removed_where_all_is_done(bench: &Bench) {
     bench.put(&manifest, &sound);
     assert_eq!(store.backend().keys("").expect("lists"), before);
     // A stage that another scene has: this one is not done.
-    bench.put("scenes/0008/_manifests/other.json", &sound);
+    let other = store.manifest(SCOPE, STAGE).expect("reads").expect("is there");
+    let other = Manifest { stage: "other".into(), outputs: Vec::new(), ..other };
+    store.write_json("scenes/0008/_manifests/other.json", "other", &other).expect("writes");
     assert_eq!(remove_strays(store, Duration::ZERO).expect("looks").removed, 0);
     store.backend().remove("scenes/0008/_manifests/other.json").expect("removes");
     let strays = remove_strays(store, Duration::ZERO).expect("removes");
@@ -172,4 +178,47 @@ fn each_flipped_bit_of_a_manifest_is_found(bench: &Bench) {
     bench.store.write_json(&place, STAGE, &manifest).expect("writes");
     assert!(bench.bytes(&place).len() < sealed.len());
     assert_eq!(checked(bench).findings, []);
+}
+
+/// Records may be written by others: one that names objects of other scopes, or what lies outside of the
+/// store, is damaged, and the stage that is done again leaves all that alone.
+fn what_lies_elsewhere_is_neither_followed_nor_removed(bench: &Bench) {
+    let store = &bench.store;
+    let elsewhere = ["scenes/0008/table.parquet", "plan/scenes.parquet", "notes.txt"];
+    for key in elsewhere {
+        bench.put(key, b"of somebody else");
+    }
+    for named in
+        elsewhere.into_iter().chain(["../beside.txt", "/etc/hostname", "scenes/0007/../0008/table.parquet"])
+    {
+        run(store, "c", false, &["vehicle_0"]).expect("runs");
+        let manifest = store.manifest(SCOPE, STAGE).expect("reads").expect("is there");
+        let foreign = Output { key: named.to_owned(), ..manifest.outputs[0].clone() };
+        let manifest = Manifest { outputs: vec![manifest.outputs[0].clone(), foreign], ..manifest };
+        store.backend().remove(&SCOPE.manifest(STAGE)).expect("removes");
+        store.write_json(&SCOPE.manifest(STAGE), STAGE, &manifest).expect("writes");
+        let problem = Problem::Manifest(format!("names `{named}`, which is not in its folder"));
+        let found = checked(bench).findings;
+        assert!(found.contains(&finding(SCOPE.manifest(STAGE), problem.clone())), "{found:?}");
+        // The record of a stage that is being done again says the same, and the old manifest with it.
+        let redo = Redo { generation: 1, replaces: vec![named.to_owned()], old: Some(manifest.clone()) };
+        store.write_json(&SCOPE.redo(STAGE), STAGE, &redo).expect("writes");
+        let found = checked(bench).findings;
+        assert!(found.contains(&finding(SCOPE.redo(STAGE), problem.clone())), "{found:?}");
+        // And one of a finished unit.
+        store.backend().remove(&SCOPE.manifest(STAGE)).expect("removes");
+        store.write_json(&SCOPE.part(STAGE, "vehicle_1"), STAGE, &manifest).expect("writes");
+        let found = checked(bench).findings;
+        assert!(found.contains(&finding(SCOPE.part(STAGE, "vehicle_1"), problem)), "{found:?}");
+        run(store, "other", false, &["vehicle_0"]).expect("runs");
+        for key in elsewhere {
+            assert_eq!(
+                &store.read(key).expect("reads").expect("is there")[..],
+                b"of somebody else",
+                "{named}"
+            );
+        }
+    }
+    let found = checked(bench).findings;
+    assert!(found.iter().all(|finding| finding.problem == Problem::Stray), "{found:?}");
 }
