@@ -38,6 +38,24 @@ TOML
 # How many states are done.
 count() { "$bin/convoy" status --json --store "$work/store" | grep -c '"state": "done"' || true; }
 
+# How many manifests there are.
+recorded() {
+    find "$work/store" \( -path '*/scenes/*/_manifests/*.json' -o -path "$work/store/plan/_manifest.json" \
+        -o -path "$work/store/stats/_manifest.json" \) ! -name '*.redo.json' ! -name '*.failed.json' ! -path '*.parts/*' | wc -l
+}
+
+# What status says is done, which is what was when it was asked or has been since.
+told() {
+    local least told
+    least=$(recorded)
+    told=$(count)
+    [[ $least -le $told && $told -le $(recorded) ]] || {
+        echo "error: status tells $told states that are done, where $least manifests were and $(recorded) are" >&2
+        return 1
+    }
+    echo "$told"
+}
+
 # How many scenes are finished.
 finished() { find "$work/store/scenes" -name merge-tracks.json 2>/dev/null | wc -l; }
 

@@ -82,7 +82,8 @@ wait "$driver" || code=$?
 cat "$work/log/first"
 [[ $code == 75 ]] || { echo "error: an interrupted run ended with $code"; exit 1; }
 ! pgrep -f "$bin/.*$work/store" || { echo "error: there are tasks of a run that ended"; exit 1; }
-echo "after the interrupt status tells $(count) states that are done"
+told=$(told)
+echo "after the interrupt status tells $told states that are done"
 
 # Some scenes more, then a node goes: its daemon, and all that it started.
 before=$(finished)
@@ -94,7 +95,8 @@ lost=$(pgrep -f "$work/ray/.*--node_ip_address=$there")
 lost=$(for process in $lost; do tree "$process"; done | tac)
 # shellcheck disable=SC2086
 kill -9 $lost 2>/dev/null || true
-echo "after the loss status tells $(count) states that are done"
+told=$(told)
+echo "after the loss status tells $told states that are done"
 ends_well() {
     local code=0
     wait "$driver" || code=$?
@@ -116,7 +118,8 @@ make_dataset --config "$work/set.toml" --tasks 6 >"$work/log/third" 2>&1 &
 driver=$!
 wait_for_scenes $((scenes / 3)) "$driver" || { cat "$work/log/third"; exit 1; }
 cut_cable
-echo "cut off with $(count) states that are done"
+told=$(told)
+echo "cut off with $told states that are done"
 ends_well "$work/log/third"
 mend_cable
 for _ in $(seq 120); do pgrep -f "$bin/.*$work/store" >/dev/null || break; sleep 1; done

@@ -122,7 +122,7 @@ for way in "${ways[@]}"; do
     wait_for_scenes $((scenes / 3))
     squeue
     "lose_$way"
-    told=$(count)
+    told=$(told)
     echo "after the loss status tells $told states that are done"
     for _ in $(seq 900); do
         [[ -z $(squeue -h -o %i) ]] && break

@@ -96,24 +96,31 @@ for server in "${servers[@]}"; do
     same "$url"
     echo "$server: the bytes of the disk"
 
-    url=${url%/one}/killed
-    [[ -z $plain ]] || plain=${plain%/one}/killed
     killed=0
+    round=0
     RANDOM=7
+    one=$url one_plain=$plain
     while [[ $killed -lt $kills ]]; do
-        code=0
-        # Now and then late enough that sensors are being written. The shell's own word on it goes nowhere.
-        (timeout -s KILL "$((RANDOM % 15)).$((RANDOM % 10))" "$bin/convoy" run --config "$config" --store "$url" \
-            --progress none >>"$work/log.txt" 2>&1) 2>/dev/null || code=$?
-        [[ $code == 137 ]] || { [[ $code == 0 ]] && break; tail -n 5 "$work/log.txt"; exit 1; }
-        # Stages outlive the program that started them, if nobody ends them.
-        pkill -9 -f -- "--store $url" || true
-        killed=$((killed + 1))
+        # A store that is finished leaves nothing to be killed: the next one.
+        round=$((round + 1))
+        url=${one%/one}/killed-$round
+        [[ -z $one_plain ]] || plain=${one_plain%/one}/killed-$round
+        while [[ $killed -lt $kills ]]; do
+            code=0
+            # Now and then late enough that sensors are being written. The shell's own word on it goes nowhere.
+            (timeout -s KILL "$((RANDOM % 15)).$((1 + RANDOM % 9))" "$bin/convoy" run --config "$config" --store "$url" \
+                --progress none >>"$work/log.txt" 2>&1) 2>/dev/null || code=$?
+            [[ $code == 137 ]] || { [[ $code == 0 ]] && break; tail -n 5 "$work/log.txt"; exit 1; }
+            # Stages outlive the program that started them, if nobody ends them.
+            pkill -9 -f -- "--store $url" || true
+            killed=$((killed + 1))
+        done
+        made "$url"
+        same "$url"
+        convoy verify --store "$url" | tail -n 1
+        [[ -z $plain || $killed -ge $kills ]] || rm -rf "$plain"
     done
-    made "$url"
-    same "$url"
-    convoy verify --store "$url" | tail -n 1
-    echo "$server: killed $killed times, the bytes of the disk"
+    echo "$server: killed $killed times in $round stores, the bytes of the disk"
 
     if [[ -n $plain ]]; then
         python3 tests/plant_faults.py "$plain" 60 >"$work/planted.txt"

@@ -9,7 +9,7 @@ use parquet::errors::ParquetError;
 /// Why a store, a part of it or an excerpt cannot be shown.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ViewError {
-    #[error("{0} is no store: it has no dataset.json (make dataset STORE=... makes one)")]
+    #[error("{0} is no store: it has no dataset.json (`convoy run --store {0}` makes one)")]
     NoDataset(PathBuf),
     #[error("port {0}: {1}")]
     Port(u16, io::Error),

@@ -33,7 +33,10 @@ impl Session {
         let source = opened.scenes.into_iter().next().ok_or_else(|| {
             let which = scene.map_or("no scene".to_owned(), |scene| format!("scene {scene} is not"));
             let missing = unfinished.values().next().map_or("", String::as_str);
-            VizError::Refused(format!("{which} simulated yet ({missing}): run `make dataset` first"))
+            let place = store.location("");
+            VizError::Refused(format!(
+                "{which} simulated yet ({missing}): run `convoy run --store {place}` first"
+            ))
         })?;
         let rows = source.agent_rows()?;
         let ground = ground_of(&source)?;

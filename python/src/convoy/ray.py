@@ -128,7 +128,7 @@ def share_calls(asked: argparse.Namespace, index: int) -> list[Call]:
     for stages, resource in groups(asked.split):
         # With the number in full no variable of another engine is asked.
         words = [asked.program, "run", "--stages", stages, "--shard", f"{index}/{asked.tasks}", "--store", asked.store]
-        words += ["--threads", str(asked.cpus), "--progress", "plain"]
+        words += ["--threads", str(asked.cpus), *(["--device", "gpu"] if resource == "GPU" else []), "--progress", "plain"]
         calls.append(Call(f"{stages}-{index}", tuple(words), resource))
     return calls
 

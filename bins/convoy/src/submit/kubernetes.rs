@@ -110,7 +110,10 @@ impl Jobs {
             kind: Kind::Tasks,
             name: if groups == 1 { "scenes".to_owned() } else { format!("scenes-{number}") },
             about: format!("Tasks, each a share of the scenes: {}.", group.stages.join(", ")),
-            args: self.args(&group.words(), &["--shard", &tasks, "--threads", &threads]),
+            args: self.args(
+                &group.words(),
+                &[&["--shard", &*tasks, "--threads", &*threads][..], group.device_words()].concat(),
+            ),
             has_gpu: group.split.is_some(),
             cores: self.cores,
             memory_gib: self.memory_gib,

@@ -161,6 +161,7 @@ fn scripts(
         name: name.to_owned(),
         convoy: this_program,
         config,
+        directory: std::env::current_dir().map_err(StageError::usage)?,
         store,
         maps,
         folder,

@@ -93,8 +93,8 @@ impl Size {
         };
         if scene_s > usable_s {
             return Err(format!(
-                "scene {longest} alone takes about {:.0} minutes on {}: give --minutes {:.0}, or more --cores",
-                scene_s / 60.0,
+                "scene {longest} alone takes about {} on {}: give --minutes {:.0}, or more --cores",
+                minutes_of(scene_s),
                 counted(cores, "core"),
                 enough(scene_s)
             ));
@@ -107,8 +107,8 @@ impl Size {
             let size = size(wanted.min(scenes));
             return match size.task_s > usable_s {
                 true => Err(format!(
-                    "--tasks {wanted}: the longest would take about {:.0} minutes: give --minutes {:.0}, or more tasks",
-                    size.task_s / 60.0,
+                    "--tasks {wanted}: the longest would take about {}: give --minutes {:.0}, or more tasks",
+                    minutes_of(size.task_s),
                     enough(size.task_s)
                 )),
                 false => Ok(size),
@@ -145,14 +145,19 @@ impl Size {
                 DecimalBytes(bytes.round() as u64)
             ),
             format!(
-                "{} of {}: the longest takes about {:.0} minutes, the longest scene {:.0}",
+                "{} of {}: the longest takes about {}, the longest scene {}",
                 counted(*tasks, "task"),
                 counted(*cores, "core"),
-                (task_s / 60.0).ceil(),
-                (scene_s / 60.0).ceil()
+                minutes_of(*task_s),
+                minutes_of(*scene_s)
             ),
         ]
     }
+}
+
+/// Seconds as minutes, rounded up.
+fn minutes_of(seconds: f64) -> String {
+    counted((seconds / 60.0).ceil() as u32, "minute")
 }
 
 /// How many of a thing.

@@ -5,8 +5,25 @@ use std::path::PathBuf;
 use super::groups::{Group, Split, groups_of};
 use super::words::{quoted, word};
 
-/// A task that could not end is tried again so many times.
-const MOST_RESTARTS: u32 = 5;
+/// A job that could not end is tried again five times; Slurm itself does not count those whose node was lost.
+const TRIED_ENOUGH: &str = r#"restarts=${SLURM_RESTART_COUNT:-0}
+if [ "$restarts" -gt 5 ]; then
+    echo "was tried 6 times: given up"
+    exit 75
+fi
+"#;
+/// Of a job that somebody cancels Slurm says that it no longer runs.
+const AGAIN: &str = r#"# Stopped, out of memory, or the store is away: once more. What fails by itself (1, 2) would fail again.
+if [ "$code" -eq 75 ] || [ "$code" -eq 137 ]; then
+    if [ "$restarts" -lt 5 ] && [ "$(squeue --noheader --jobs="$SLURM_JOB_ID" --format=%T)" = RUNNING ]; then
+        echo "ended with $code: requeued, for the $((restarts + 1)). of 5 times"
+        scontrol requeue "$SLURM_JOB_ID" && sleep 60
+    fi
+fi
+"#;
+const PASSED_ON: &str = r#"# A scene that failed keeps no others from the next array: it is told there, and by the job that joins.
+[ "$code" -ne 1 ] || exit 0
+"#;
 
 /// What the scripts are about.
 #[derive(Clone, Debug)]
@@ -14,6 +31,8 @@ pub(super) struct Cluster {
     pub(super) name: String,
     pub(super) convoy: PathBuf,
     pub(super) config: PathBuf,
+    /// Where the call was made: paths in the configuration are looked for from there.
+    pub(super) directory: PathBuf,
     pub(super) store: PathBuf,
     pub(super) maps: Option<PathBuf>,
     /// Of the scripts; their logs lie in `logs` in it.
@@ -33,8 +52,10 @@ impl Cluster {
     pub(super) fn scripts(&self) -> Vec<(String, String)> {
         let groups = groups_of(&self.splits);
         let mut scripts = vec![("plan.sh".to_owned(), self.plan())];
-        let named = groups.iter().map(|group| (format!("{}.sh", group.name()), self.array(group)));
-        scripts.extend(named);
+        for (position, group) in groups.iter().enumerate() {
+            let is_last = position + 1 == groups.len();
+            scripts.push((format!("{}.sh", group.name()), self.array(group, is_last)));
+        }
         scripts.push(("join.sh".to_owned(), self.join()));
         scripts.push(("submit.sh".to_owned(), self.submit(&groups)));
         scripts
@@ -47,7 +68,7 @@ impl Cluster {
         all.extend(lines.iter().cloned());
         all.extend(self.options.iter().chain(split.iter().flat_map(|split| &split.options)).cloned());
         let lines: String = all.iter().map(|line| format!("#SBATCH {line}\n")).collect();
-        format!("#!/bin/bash\n{lines}set -u\n")
+        format!("#!/bin/bash\n{lines}set -u\n{TRIED_ENOUGH}")
     }
 
     fn log(&self, name: &str) -> String {
@@ -55,21 +76,23 @@ impl Cluster {
     }
 
     /// What a job needs that is no task.
-    fn small(&self, memory_gib: u32, name: &str) -> [String; 4] {
+    fn small(&self, memory_gib: u32, name: &str) -> [String; 6] {
         [
             format!("--cpus-per-task={}", self.cores.min(2)),
             format!("--mem={}G", self.memory_gib.min(memory_gib)),
             "--time=60".to_owned(),
+            "--requeue".to_owned(),
+            "--open-mode=append".to_owned(),
             self.log(&format!("{name}.log")),
         ]
     }
 
     fn plan(&self) -> String {
-        let lines = self.small(4, "plan");
+        let lines = [&self.small(4, "plan")[..], &[format!("--chdir={}", quoted(&self.directory))]].concat();
         let maps = self.maps.as_deref().map_or(String::new(), |maps| format!(" --maps {}", quoted(maps)));
         format!(
             "{}# It was made when these scripts were: this looks whether it still stands.\n\
-             exec {} run --stages plan --config {} --store {}{maps} --progress plain\n",
+             {} run --stages plan --config {} --store {}{maps} --progress plain\ncode=$?\n{AGAIN}exit \"$code\"\n",
             self.header("plan", &lines, None),
             quoted(&self.convoy),
             quoted(&self.config),
@@ -77,7 +100,8 @@ impl Cluster {
         )
     }
 
-    fn array(&self, group: &Group) -> String {
+    /// `is_last`: no other array waits for this one.
+    fn array(&self, group: &Group, is_last: bool) -> String {
         let at_once = self.at_once.map_or(String::new(), |n| format!("%{n}"));
         let lines = [
             format!("--array=0-{}{at_once}", self.tasks - 1),
@@ -93,20 +117,13 @@ impl Cluster {
         format!(
             r#"{header}# A requeued task goes on where it was: what is finished is kept.
 {convoy} run --stages {stages} --shard {tasks} --store {store} \
-    --threads {cores} --progress plain &
+    --threads {cores}{device} --progress plain &
 task=$!
 trap 'kill -TERM "$task" 2>/dev/null' TERM
 while kill -0 "$task" 2>/dev/null; do wait "$task"; done
 wait "$task"
 code=$?
-# Stopped, or out of memory: once more. What fails by itself (1, 2) would fail again.
-if [ "$code" -eq 75 ] || [ "$code" -eq 137 ]; then
-    if [ "${{SLURM_RESTART_COUNT:-0}}" -lt {MOST_RESTARTS} ]; then
-        echo "ended with $code: requeued, for the $((${{SLURM_RESTART_COUNT:-0}} + 1)). of {MOST_RESTARTS} times"
-        scontrol requeue "$SLURM_JOB_ID" && sleep 60
-    fi
-fi
-exit "$code"
+{AGAIN}{passed_on}exit "$code"
 "#,
             header = self.header(&group.name(), &lines, group.split.as_ref()),
             convoy = quoted(&self.convoy),
@@ -114,6 +131,8 @@ exit "$code"
             tasks = self.tasks,
             store = quoted(&self.store),
             cores = self.cores,
+            device = group.device_words().iter().map(|word| format!(" {word}")).collect::<String>(),
+            passed_on = if is_last { "" } else { PASSED_ON },
         )
     }
 
@@ -123,7 +142,7 @@ exit "$code"
         format!(
             "{}# Whatever happened: manifests tell what is done.\n\
              {convoy} run --stages stats --store {store} --progress plain\n\
-             exec {convoy} status --store {store}\n",
+             code=$?\n{AGAIN}exec {convoy} status --store {store}\n",
             self.header("join", &lines, None)
         )
     }
@@ -161,6 +180,7 @@ mod tests {
             name: "rain in town".into(),
             convoy: "/opt/convoy/bin/convoy".into(),
             config: "/home/mira/rain town.toml".into(),
+            directory: "/home/mira/my work".into(),
             store: "/scratch/rain".into(),
             maps: None,
             folder: "/scratch/rain-jobs".into(),

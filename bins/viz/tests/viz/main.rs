@@ -160,7 +160,10 @@ fn what_is_not_there_is_one_clear_error() {
     );
     let velocity = run(&["--modes", "LIDAR-FAR", "--colour", "velocity"]);
     refused(&velocity, &["scene 3 frame 0 vehicle_0 LIDAR-FAR", "no velocity", "distance, height, tag"]);
-    refused(&viz(&folder.path().join("nowhere"), &["--dest", &dest]), &["no finished store", "make dataset"]);
+    refused(
+        &viz(&folder.path().join("nowhere"), &["--dest", &dest]),
+        &["no finished store", "convoy run --store"],
+    );
     let sheet = folder.path().join("sheet.gif").to_string_lossy().into_owned();
     refused(&viz(&store, &["preview", "--out", &sheet]), &[".png or .jpg"]);
     refused(&viz(&store, &["film", "--out", &sheet]), &[".png"]);
