@@ -13,7 +13,7 @@ kills=${KILLS:-1000}
 seed=${SEED:-7}
 work=$(mktemp -d)
 export CONVOY_DEVICE=cpu AWS_ACCESS_KEY_ID=test AWS_SECRET_ACCESS_KEY=testsecret AWS_REGION=us-east-1
-cp tests/configurations/least.toml "$work/tiny.toml"
+cp tests/configurations/street.toml "$work/tiny.toml"
 servers=()
 mounted=()
 source tests/network.sh
@@ -77,7 +77,7 @@ kills_of() {
             setsid "$bin/convoy" run --config "$work/tiny.toml" --progress none --store "$store" >"$store.txt" 2>&1 &
             local pid=$!
             # From at once to late enough that some end by themselves.
-            sleep "$((RANDOM % 3)).$(printf %03d $((RANDOM % 1000)))" &
+            sleep "$((RANDOM % 2)).$(printf %03d $((RANDOM % 1000)))" &
             wait -n $! $pid || true
             if kill -0 $pid 2>/dev/null; then
                 kill -KILL -- -$pid 2>/dev/null || true

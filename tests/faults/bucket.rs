@@ -16,7 +16,10 @@ use rustix::process::{Pid, Signal, kill_process};
 use store::{Backend, Memory, hash_bytes};
 use testkit::bucket::{BucketServer, Request, Snapshot, Wrong};
 
-use crate::plan::{Choice, Digests, STEPS, Step, configuration, damage, difference, each, is_passing, lost};
+use crate::plan::{
+    Choice, Digests, OTHER_SET, STEPS, Step, configuration, damage, difference, each, is_passing, lost,
+    of_other_set,
+};
 use crate::tally::{Tally, ill_told, say};
 
 const URL: &str = "s3://sets/one";
@@ -183,7 +186,7 @@ fn whatever_goes_wrong_with_a_bucket_nothing_is_lost_and_the_bytes_are_the_same(
             .map(|(number, operation, fault)| {
                 (format!("bucket/{}/{number}/{}", step.name, fault.name), number, operation, fault)
             })
-            .filter(|(name, ..)| choice.has(name))
+            .filter(|(name, ..)| choice.has(step, name))
             .collect();
         // Those who wait for an answer need no processor.
         let threads = 3 * thread::available_parallelism().map_or(1, usize::from);
@@ -215,10 +218,9 @@ fn prepare(step: &Step, server: &BucketServer, buckets: &Buckets) {
             let key = objects.keys().find(|key| key.starts_with("tiles/")).expect("has tiles");
             let set = key.split('/').nth(1).expect("has a set").to_owned();
             for (key, bytes) in objects.iter().filter(|(key, _)| key.split('/').nth(1) == Some(&set)) {
-                server.damage(
-                    &format!("{FOLDER}/{}", key.replace(&set, "0123456789abcdef")),
-                    Some(bytes.clone()),
-                );
+                let is_manifest = key.ends_with("/_manifest.json");
+                let bytes = if is_manifest { of_other_set(bytes, &set, OTHER_SET) } else { bytes.clone() };
+                server.damage(&format!("{FOLDER}/{}", key.replace(&set, OTHER_SET)), Some(bytes));
             }
         }
         // From a folder that has all into a store with a plan alone.

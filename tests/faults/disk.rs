@@ -13,7 +13,10 @@ use rustix::io::Errno;
 use rustix::process::{Pid, Signal, kill_process};
 use store::hash_bytes;
 
-use crate::plan::{Choice, Digests, STEPS, Step, configuration, damage, difference, each, is_passing, lost};
+use crate::plan::{
+    Choice, Digests, OTHER_SET, STEPS, Step, configuration, damage, difference, each, is_passing, lost,
+    of_other_set,
+};
 use crate::tally::{Tally, ill_told, say};
 
 /// How long another one is given before the one that is stopped goes on.
@@ -214,7 +217,18 @@ fn whatever_goes_wrong_with_a_disk_nothing_is_lost_and_the_bytes_are_the_same() 
                 fs::File::open(&stray).and_then(|file| file.set_modified(then)).expect("sets its time");
                 let tiles = now.join("tiles");
                 let set = fs::read_dir(&tiles).expect("has tiles").next().expect("has a set").expect("lists");
-                disk.copy(&set.path(), &tiles.join("0123456789abcdef"));
+                let other = tiles.join(OTHER_SET);
+                disk.copy(&set.path(), &other);
+                let name = set.file_name().into_string().expect("is a text");
+                for entry in walkdir::WalkDir::new(&other) {
+                    let file = entry.expect("lists").into_path();
+                    if file.ends_with("_manifest.json") {
+                        let manifest = of_other_set(&fs::read(&file).expect("reads"), &name, OTHER_SET);
+                        // The file is a link to the one that it was copied from.
+                        fs::remove_file(&file).expect("removes");
+                        fs::write(&file, manifest).expect("writes");
+                    }
+                }
             }
             // From all that there is into a store with a plan alone.
             "merge" => {
@@ -238,7 +252,7 @@ fn whatever_goes_wrong_with_a_disk_nothing_is_lost_and_the_bytes_are_the_same() 
             .iter()
             .flat_map(|call| faults_of(&call.operation).iter().map(move |fault| (call, *fault)))
             .map(|(call, fault)| (format!("disk/{}/{}/{}", step.name, call.number, fault.name), call, fault))
-            .filter(|(name, _, _)| choice.has(name))
+            .filter(|(name, _, _)| choice.has(step, name))
             .collect();
         let threads = thread::available_parallelism().map_or(1, usize::from);
         let start = Instant::now();

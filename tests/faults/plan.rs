@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use convoy_tests::workspace;
 use store::hash_bytes;
 
 /// Objects of a store, by key, with the digests of their bytes.
@@ -22,6 +23,8 @@ pub(crate) struct Step {
     pub(crate) words: &'static [&'static str],
     /// Whether it takes a configuration, and of how many scenes.
     pub(crate) scenes: Option<u32>,
+    /// One of so many tries is made: one of 1, but where many files are written in one and the same way.
+    pub(crate) one_of: u64,
 }
 
 /// One scene from nothing, one more, a copy, and what nobody needs taken away.
@@ -33,11 +36,12 @@ pub(crate) const STEPS: [Step; 12] = [
     stage("occupancy", "occupancy-gt", &[], 1),
     stage("valid", "postprocess-valid", &[], 1),
     stage("tracks", "merge-tracks", &[], 1),
-    stage("stats", "stats", &[], 1),
+    // It writes 190 figures and tables.
+    Step { one_of: 8, ..stage("stats", "stats", &[], 1) },
     stage("grow", "spawn-planner", &["--grow"], 2),
     stage("simulate-second", "simulate-and-log", &[], 2),
-    Step { name: "tidy", program: "convoy", words: &["tidy"], scenes: None },
-    Step { name: "merge", program: "convoy", words: &["merge"], scenes: None },
+    Step { name: "tidy", program: "convoy", words: &["tidy"], scenes: None, one_of: 1 },
+    Step { name: "merge", program: "convoy", words: &["merge"], scenes: None, one_of: 1 },
 ];
 
 const fn stage(
@@ -46,13 +50,16 @@ const fn stage(
     words: &'static [&'static str],
     scenes: u32,
 ) -> Step {
-    Step { name, program, words, scenes: Some(scenes) }
+    Step { name, program, words, scenes: Some(scenes), one_of: 1 }
 }
 
 /// The configuration of so many scenes.
 pub(crate) fn configuration(scenes: u32) -> String {
-    include_str!("../configurations/least.toml")
-        .replace("\"convoy/demo\" = 1", &format!("\"convoy/demo\" = {scenes}"))
+    let street = workspace().join("tests/configurations/street.xodr");
+    include_str!("../configurations/street.toml").replace(
+        "\"tests/configurations/street.xodr\" = 1",
+        &format!("{:?} = {scenes}", street.display().to_string()),
+    )
 }
 
 /// Which of all tries are made.
@@ -80,14 +87,15 @@ impl Choice {
         }
     }
 
-    /// Whether a try of this name is made.
-    pub(crate) fn has(&self, name: &str) -> bool {
+    /// Whether a try of a step is made that has this name.
+    pub(crate) fn has(&self, step: &Step, name: &str) -> bool {
+        let drawn = |seed: u64, of: u64| {
+            let digest = hash_bytes(format!("{seed} {name}").as_bytes());
+            u64::from_str_radix(&digest[..15], 16).expect("is a number").is_multiple_of(of)
+        };
         match self {
-            Self::All => true,
-            Self::Share(of, seed) => {
-                let digest = hash_bytes(format!("{seed} {name}").as_bytes());
-                u64::from_str_radix(&digest[..15], 16).expect("is a number").is_multiple_of(*of)
-            }
+            Self::All => drawn(1, step.one_of),
+            Self::Share(of, seed) => drawn(*seed, of * step.one_of),
             Self::One(one) => one == name,
         }
     }
@@ -99,6 +107,18 @@ impl Choice {
             _ => true,
         }
     }
+}
+
+/// A set of tiles that no scene names.
+pub(crate) const OTHER_SET: &str = "0123456789abcdef";
+
+/// A manifest of a set of tiles as one of another set, without a checksum of its text.
+pub(crate) fn of_other_set(manifest: &[u8], set: &str, other: &str) -> Vec<u8> {
+    let text = String::from_utf8_lossy(manifest).replace(set, other);
+    let manifest: store::Manifest = serde_json::from_str(&text).expect("is a manifest");
+    let mut text = serde_json::to_vec_pretty(&manifest).expect("is JSON");
+    text.push(b'\n');
+    text
 }
 
 /// What is lost of a store after a fault: objects that were there before, and that the step does not change,
