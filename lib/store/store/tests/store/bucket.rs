@@ -221,7 +221,9 @@ fn frames_are_a_request_or_two_a_mebibyte() {
     let bytes = manifest.outputs[0].bytes;
     assert!((2..=2 + 2 * (bytes as usize >> 20)).contains(&gets), "{gets} for 12 frames of {bytes} bytes");
     // One of them alone, once the table's end is known.
-    let one = store.rows_at::<LidarRow>(&manifest, &key("vehicle_0"), vec![7..8]).expect("opens");
+    let one = store
+        .rows_at::<LidarRow>(&manifest, &key("vehicle_0"), std::iter::once(7..8).collect())
+        .expect("opens");
     service.gets.store(0, Ordering::Relaxed);
     let read: Vec<LidarRow> = one.flat_map(|group| group.expect("reads")).collect();
     assert!(read.len() == 1 && read[0] == frame(7));
