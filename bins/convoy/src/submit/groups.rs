@@ -42,13 +42,6 @@ impl Group {
         if self.is_all() { "scenes".to_owned() } else { self.stages.join("-") }
     }
 
-    /// Words for the device that its tasks were given, so that none works on quietly without it.
-    pub(super) fn device_words(&self) -> &'static [&'static str] {
-        let has_gpu =
-            |split: &Split| split.place == "gpu" || split.options.iter().any(|option| option.contains("gpu"));
-        if self.split.as_ref().is_some_and(has_gpu) { &["--device", "gpu"] } else { &[] }
-    }
-
     /// As `--stages` takes it.
     pub(super) fn words(&self) -> String {
         if self.is_all() { "scenes".to_owned() } else { self.stages.join(",") }

@@ -106,14 +106,14 @@ impl Jobs {
     /// The tasks of a group of stages, one of so many.
     fn scenes(&self, group: &Group, number: u32, groups: usize) -> Job {
         let (tasks, threads) = (self.tasks.to_string(), self.cores.to_string());
+        // A task with a GPU does not quietly work on without it.
+        let device: &[&str] = if group.split.is_some() { &["--device", "gpu"] } else { &[] };
         Job {
             kind: Kind::Tasks,
             name: if groups == 1 { "scenes".to_owned() } else { format!("scenes-{number}") },
             about: format!("Tasks, each a share of the scenes: {}.", group.stages.join(", ")),
-            args: self.args(
-                &group.words(),
-                &[&["--shard", &*tasks, "--threads", &*threads][..], group.device_words()].concat(),
-            ),
+            args: self
+                .args(&group.words(), &[&["--shard", &*tasks, "--threads", &*threads][..], device].concat()),
             has_gpu: group.split.is_some(),
             cores: self.cores,
             memory_gib: self.memory_gib,

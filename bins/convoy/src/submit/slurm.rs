@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::groups::{Group, Split, groups_of};
 use super::words::{quoted, word};
 
-/// A job that could not end is tried again five times; Slurm itself does not count those whose node was lost.
+/// A job that could not end is tried again five times; one whose node was lost Slurm requeues without limit.
 const TRIED_ENOUGH: &str = r#"restarts=${SLURM_RESTART_COUNT:-0}
 if [ "$restarts" -gt 5 ]; then
     echo "was tried 6 times: given up"
@@ -131,7 +131,8 @@ code=$?
             tasks = self.tasks,
             store = quoted(&self.store),
             cores = self.cores,
-            device = group.device_words().iter().map(|word| format!(" {word}")).collect::<String>(),
+            // A task with a GPU does not quietly work on without it.
+            device = if group.split.as_ref().is_some_and(asks_for_gpu) { " --device gpu" } else { "" },
             passed_on = if is_last { "" } else { PASSED_ON },
         )
     }
@@ -169,6 +170,12 @@ code=$?
         );
         text
     }
+}
+
+/// Whether the options of an array ask Slurm for a GPU: `--gres=gpu:1`, `--gpus=1`, `--gpus-per-node=1`.
+fn asks_for_gpu(split: &Split) -> bool {
+    let is_gpu = |option: &String| option.starts_with("--gpus") || option.starts_with("--gres=gpu");
+    split.options.iter().any(is_gpu)
 }
 
 #[cfg(test)]
