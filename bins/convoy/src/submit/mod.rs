@@ -67,39 +67,39 @@ fn submit(args: &SubmitArgs, stamp: &[u8; STAMP_LEN]) -> Result<u8, StageError> 
         Engine::Kubernetes => false,
         Engine::Ray => !is_url(&store),
     };
-    // A store that is new gets its plan last: what is refused leaves nothing behind.
-    let is_planned = is_in_place && is_made(&store)?;
-    let work = match planned(args, is_planned.then_some(&*store), &settings, stamp)? {
-        Planned::Work(work) => work,
-        Planned::Ended(code) => return Ok(code),
-    };
-    let times = Machine::measured().times;
-    let sum = |stages: &BTreeMap<_, Work>| stages.values().map(|work| work.core_s).sum::<f64>();
-    let work_s: BTreeMap<u32, f64> =
-        work.iter().map(|(scene, stages)| (*scene, times * sum(stages))).collect();
-    let bytes: f64 = work.values().flat_map(BTreeMap::values).map(|work| work.bytes).sum();
-    let most = match args.engine {
-        Engine::Slurm => Most::Array(args.largest_array.unwrap_or(LARGEST_ARRAY)),
-        Engine::Kubernetes => Most::Job(kubernetes::MOST_TASKS),
-        Engine::Ray => Most::Any,
-    };
-    let limits = Limits { minutes: args.minutes, cores: args.cores, most };
+    let is_new = is_in_place && !is_made(&store)?;
     let folder = match &args.to {
         Some(folder) => absolute(folder)?,
         None => jobs_folder(&store)?,
     };
-    let size = Size::choose(&work_s, args.tasks, limits).map_err(|problem| {
+    let refused = |problem: String| {
         let is_there = folder.join("submit.sh").exists();
         let earlier = format!("; the scripts in {} are of an earlier call", folder.display());
         StageError::usage(format!("{problem}{}", if is_there { &earlier } else { "" }))
-    })?;
+    };
+    // The store gets its plan last: what is refused changes nothing.
+    let aside = tempfile::tempdir().map_err(|e| StageError::usage(format!("a temporary folder: {e}")))?;
+    let sizes = aside.path().join("sizes");
+    let code = plan(args, &sizes, if is_in_place { Words::Errors } else { Words::All })?;
+    if code != EXIT_DONE {
+        return Ok(code);
+    }
+    let times = Machine::measured().times;
+    let mut work = work_of(&sizes, &settings, stamp)?;
+    let mut size = size_of(&work, times, args).map_err(refused)?;
     if is_in_place {
-        let code = if is_planned { EXIT_DONE } else { plan(args, &store)? };
+        let code = plan(args, &store, Words::All)?;
         if code != EXIT_DONE {
             return Ok(code);
         }
         store::probe(&Store::open(&store)?)?;
+        if !is_new {
+            // It may hold what earlier configurations planned.
+            work = work_of(&store, &settings, stamp)?;
+            size = size_of(&work, times, args).map_err(refused)?;
+        }
     }
+    let bytes: f64 = work.values().flat_map(BTreeMap::values).map(|work| work.bytes).sum();
 
     let has_logs = handed_over.is_none();
     let files = match handed_over {
@@ -233,45 +233,53 @@ fn is_made(store: &Path) -> Result<bool, StoreError> {
     }
 }
 
-/// What planning told.
-enum Planned {
-    /// The work of each scene and stage.
-    Work(BTreeMap<u32, BTreeMap<&'static str, Work>>),
-    /// There is no plan: the planner's exit code.
-    Ended(u8),
-}
+/// Estimated work of each scene and stage.
+type PlannedWork = BTreeMap<u32, BTreeMap<&'static str, Work>>;
 
-/// Plans, and asks the plan what it will cost: in a store, or aside, to be thrown away.
-fn planned(
-    args: &SubmitArgs,
-    store: Option<&Path>,
+/// What the plan of a store will cost.
+fn work_of(
+    store: &Path,
     settings: &DatasetSettings,
     stamp: &[u8; STAMP_LEN],
-) -> Result<Planned, StageError> {
-    let aside = match store {
-        None => Some(tempfile::tempdir().map_err(|e| StageError::usage(format!("a temporary folder: {e}")))?),
-        Some(_) => None,
-    };
-    let sizes = aside.as_ref().map(|folder| folder.path().join("sizes"));
-    let place = store.or(sizes.as_deref()).unwrap_or(Path::new("."));
-    let code = plan(args, place)?;
-    if code != EXIT_DONE {
-        return Ok(Planned::Ended(code));
-    }
-    let store = Store::open(place)?;
+) -> Result<PlannedWork, StageError> {
+    let store = Store::open(store)?;
     let editions = runner::Editions::of_store(&store, settings, EditionWish::Known)?;
     let programs = Programs::of_build(stamp, None);
-    let status = Status::new(&store, &editions, &programs);
-    Ok(Planned::Work(runner::planned_work(&status)?))
+    runner::planned_work(&Status::new(&store, &editions, &programs))
+}
+
+/// How many tasks end in time on machines that need so many times the forecast's core-seconds, or why none
+/// do.
+fn size_of(work: &PlannedWork, times: f64, args: &SubmitArgs) -> Result<Size, String> {
+    let sum = |stages: &BTreeMap<_, Work>| stages.values().map(|work| work.core_s).sum::<f64>();
+    let work_s: BTreeMap<u32, f64> =
+        work.iter().map(|(scene, stages)| (*scene, times * sum(stages))).collect();
+    let most = match args.engine {
+        Engine::Slurm => Most::Array(args.largest_array.unwrap_or(LARGEST_ARRAY)),
+        Engine::Kubernetes => Most::Job(kubernetes::MOST_TASKS),
+        Engine::Ray => Most::Any,
+    };
+    Size::choose(&work_s, args.tasks, Limits { minutes: args.minutes, cores: args.cores, most })
+}
+
+/// What the planner says.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Words {
+    All,
+    /// Why it makes no plan; it is started once more.
+    Errors,
 }
 
 /// Makes the plan in a store, or keeps it; the planner's exit code.
-fn plan(args: &SubmitArgs, store: &Path) -> Result<u8, StageError> {
+fn plan(args: &SubmitArgs, store: &Path, words: Words) -> Result<u8, StageError> {
     let planner = Graph::get().planner().name;
     let Ok(mut command) = stage_program(planner) else { return Ok(EXIT_SOME_FAILED) };
     command.arg("--config").arg(&args.config).arg("--store").arg(store);
     if let Some(maps) = &args.maps {
         command.arg("--maps").arg(maps);
+    }
+    if words == Words::Errors {
+        command.args(["--progress", "none"]).env("CONVOY_LOG", "error");
     }
     Ok(run_program(&mut command))
 }

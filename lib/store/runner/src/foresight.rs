@@ -5,7 +5,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use indicatif::DecimalBytes;
-use rayon::prelude::*;
 use schema::AgentId;
 use settings::KeyChange;
 use store::{Manifest, Output, Scope};
@@ -203,11 +202,11 @@ impl<'a> Foreseer<'a> {
     /// # Errors
     /// The store cannot be read.
     pub(crate) fn all(self) -> Result<Foresight, StateError> {
-        let looked = self.planned.par_iter().map(|(&scene, _)| {
+        let scenes: Vec<u32> = self.planned.keys().copied().collect();
+        let looked = self.intent.status.side_by_side(&scenes, |&scene| {
             let survey = self.intent.status.survey(Scope::Scene(scene));
-            Ok((scene, self.look(&survey, scene)?))
-        });
-        let looked: Vec<_> = looked.collect::<Result<_, StateError>>()?;
+            Ok::<_, StateError>((scene, self.look(&survey, scene)?))
+        })?;
         self.sum(looked)
     }
 

@@ -17,6 +17,7 @@ static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| Arc::new(AtomicBool::n
 
 /// Starts to listen. A second signal ends the process at once.
 pub fn listen() {
+    store::hurry_when(stopped);
     for signal in [signal_hook::consts::SIGTERM, signal_hook::consts::SIGINT] {
         // Without handlers a signal simply kills the process, which the store survives.
         let _ = signal_hook::flag::register_conditional_shutdown(

@@ -1,6 +1,5 @@
 //! A whole store, each scene looked at once.
 
-use rayon::prelude::*;
 use store::Scope;
 
 use crate::foresight::{Foreseer, Foresight, Intent};
@@ -34,15 +33,15 @@ pub fn overview(status: &Status<'_>, mut tell: impl FnMut(u32, &[State])) -> Res
     let mut inputs: Vec<Inputs> = statistics().map(|_| Inputs::default()).collect();
     let mut found = Vec::new();
     for some in scenes.as_deref().unwrap_or_default().chunks(AT_ONCE) {
-        let looked = some.par_iter().map(|&scene| {
+        let looked = status.side_by_side(some, |&scene| {
             let survey = status.survey(Scope::Scene(scene));
             let states = scene_stages().map(|stage| survey.state(stage)).collect::<Result<Vec<_>, _>>()?;
             let digests = statistics().map(|stage| survey.digests_for(stage, scene));
             let digests = digests.collect::<Result<Vec<_>, _>>()?;
             let found = foreseer.as_ref().map(|foreseer| foreseer.look(&survey, scene)).transpose()?;
             Ok::<_, StateError>((scene, states, digests, found.unwrap_or_default()))
-        });
-        for (scene, states, digests, of_scene) in looked.collect::<Result<Vec<_>, _>>()? {
+        })?;
+        for (scene, states, digests, of_scene) in looked {
             tell(scene, &states);
             inputs.iter_mut().zip(digests).for_each(|(inputs, digests)| inputs.digests.extend(digests));
             found.push((scene, of_scene));

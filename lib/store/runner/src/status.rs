@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use store::{Manifest, SceneKind, Scope, Store, StoreError};
+use store::{Manifest, SceneKind, Scope, Store, StoreError, side_by_side};
 
 use crate::editions::Editions;
 use crate::graph::{Graph, StageSpec};
@@ -13,6 +13,9 @@ use crate::record::Record;
 use crate::seen::ViewError;
 use crate::state::{CodeRule, Staleness};
 use crate::views::config_hash;
+
+/// So many scenes are looked at for each request that a service may well answer at once.
+const LOOKS: usize = 4;
 
 /// Scenes of the plan, or `None` when there is no plan (or its manifest is damaged).
 ///
@@ -74,6 +77,20 @@ impl<'a> Status<'a> {
     #[must_use]
     pub fn store(&self) -> &'a Store {
         self.store
+    }
+
+    /// Looks at scenes side by side. A service is asked for much more at once than a disk: each answer is
+    /// small, and takes its time.
+    pub(crate) fn side_by_side<I: Sync, T: Send, E: Send>(
+        &self,
+        scenes: &[I],
+        look: impl Fn(&I) -> Result<T, E> + Sync,
+    ) -> Result<Vec<T>, E> {
+        let at_once = match self.store.backend().at_once() {
+            0 | 1 => rayon::current_num_threads(),
+            requests => LOOKS * requests,
+        };
+        side_by_side(scenes, at_once, look)
     }
 
     pub(crate) fn editions(&self) -> Option<&'a Editions> {

@@ -4,7 +4,6 @@ use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use rayon::prelude::*;
 use store::{Failure, Manifest, Scope, StoreError};
 
 use crate::graph::{Graph, StageSpec, UnitKind};
@@ -291,7 +290,7 @@ impl<'a> Survey<'a> {
             }
             manifest
         };
-        let looked = scenes.par_iter().map(|&scene| -> Result<Inputs, StateError> {
+        let looked = self.status.side_by_side(&scenes, |&scene| -> Result<Inputs, StateError> {
             let survey = self.status.survey(Scope::Scene(scene));
             let mut inputs = Inputs { digests: survey.digests_for(spec, scene)?, ..Inputs::default() };
             let done = inputs.scenes.entry(scene).or_default();
@@ -301,8 +300,7 @@ impl<'a> Survey<'a> {
                 }
             }
             Ok(inputs)
-        });
-        let looked: Vec<Inputs> = looked.collect::<Result<_, _>>()?;
+        })?;
         let mut all = Inputs::default();
         for one in looked {
             all.digests.extend(one.digests);

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use rayon::prelude::*;
 use settings::DatasetSettings;
 use store::{Manifest, Scope, Store};
 
@@ -59,15 +58,14 @@ pub fn task(
     let (scenes, work_s) = share(&store, plan, &editions, shard)?;
     let intent = Intent { stages: stages.to_vec(), code, ..Intent::to_run_all(status.clone()) };
     let foreseer = Foreseer::new(&intent, &editions)?;
-    let looked = scenes.par_iter().map(|&scene| {
+    let looked = status.side_by_side(&scenes, |&scene| {
         let survey = status.survey(Scope::Scene(scene));
         let states = stages.iter().map(|stage| Ok((*stage, survey.state(stage)?)));
         let states = states.collect::<Result<Vec<_>, StateError>>()?;
         let first = states.iter().position(|(_, state)| *state != State::Done).unwrap_or(stages.len());
         let found = foreseer.as_ref().map(|foreseer| foreseer.look(&survey, scene)).transpose()?;
-        Ok((scene, stages[first..].to_vec(), found.unwrap_or_default()))
-    });
-    let looked = looked.collect::<Result<Vec<_>, StateError>>()?;
+        Ok::<_, StateError>((scene, stages[first..].to_vec(), found.unwrap_or_default()))
+    })?;
     let mut todo = Vec::new();
     let mut found = Vec::new();
     for (scene, stages, of_scene) in looked {

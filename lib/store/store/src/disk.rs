@@ -171,12 +171,18 @@ impl Backend for Disk {
             // A file system of a network may do it and lose the answer, or be asked twice.
             Err(_) if is_one_file(&sink.unfinished, &sink.path) => {}
             Err(e) if e.kind() == io::ErrorKind::AlreadyExists => return Ok(false),
-            // Some file systems have no links: there, looking and renaming are two steps.
-            Err(_) if self.size(key)?.is_some() => return Ok(false),
-            Err(_) => {
-                fs::rename(&sink.unfinished, &sink.path).map_err(sink.error("rename into place"))?;
-                sink.committed = true;
-            }
+            // Some file systems have no links.
+            Err(no_link) => match rename_where_is_none(&sink.unfinished, &sink.path) {
+                Ok(()) => sink.committed = true,
+                Err(e) if e.kind() == io::ErrorKind::AlreadyExists => return Ok(false),
+                Err(e) if is_unknown(&no_link) && is_unknown(&e) => {
+                    let problem = "the file system can neither link files nor rename them without replacing \
+                                   others, so two that work on a store at once would ruin it: use another one";
+                    return Err(StoreError::Unfit { path: self.location(""), problem: problem.to_owned() });
+                }
+                Err(e) if is_unknown(&no_link) => return Err(sink.error("rename into place")(e)),
+                Err(_) => return Err(sink.error("link into place")(no_link)),
+            },
         }
         sink.sync_folder()?;
         Ok(true)
@@ -377,6 +383,18 @@ impl UnfinishedName {
     }
 }
 
+/// Renames a file, but never takes the place of another.
+fn rename_where_is_none(from: &Path, to: &Path) -> io::Result<()> {
+    use rustix::fs::{CWD, RenameFlags, renameat_with};
+    renameat_with(CWD, from, CWD, to, RenameFlags::NOREPLACE).map_err(io::Error::from)
+}
+
+/// Whether a file system does not know what it was asked for. Of links some say that nobody may make them.
+fn is_unknown(error: &io::Error) -> bool {
+    use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
+    matches!(error.kind(), InvalidInput | PermissionDenied | Unsupported)
+}
+
 /// Whether two names are of one file.
 fn is_one_file(one: &Path, other: &Path) -> bool {
     let file = |path: &Path| fs::metadata(path).map(|about| (about.dev(), about.ino())).ok();
@@ -385,4 +403,25 @@ fn is_one_file(one: &Path, other: &Path) -> bool {
 
 fn is_absent(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_renamed_replaces_none() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [one, other, free] = ["one", "other", "free"].map(|name| folder.path().join(name));
+        [&one, &other]
+            .iter()
+            .for_each(|path| fs::write(path, path.as_os_str().as_encoded_bytes()).expect("writes"));
+        let refused = rename_where_is_none(&one, &other).expect_err("there is one");
+        assert_eq!(refused.kind(), io::ErrorKind::AlreadyExists);
+        rename_where_is_none(&one, &free).expect("there is none");
+        assert!(
+            !one.exists()
+                && fs::read(&other).is_ok_and(|bytes| bytes == other.as_os_str().as_encoded_bytes())
+        );
+    }
 }

@@ -54,7 +54,7 @@ pub use keys::Scope;
 pub use lock::{Lock, LockEvents, Pace, Work};
 pub use manifest::{Failure, MadeBy, Manifest, Output, Redo};
 pub use memory::Memory;
-pub use objects::Objects;
+pub use objects::{Objects, hurry_when};
 pub use parallel::{Aside, aside, side_by_side};
 pub use probe::{probe, remove_probes};
 pub use read::TableHead;

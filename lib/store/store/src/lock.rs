@@ -96,8 +96,9 @@ impl Lock {
         events: Arc<dyn LockEvents>,
     ) -> Result<Self, StoreError> {
         let mut own = Own::put(store, work, Holder::this(&work.name), pace)?;
-        let mut dead = own.sweep()?;
-        let others = own.others()?;
+        let listed = own.listed()?;
+        let mut dead = own.sweep(&listed)?;
+        let others = own.others(listed)?;
         if !others.is_empty() {
             let turns = others.iter().map(|key| Ok(own.entry_of(key)?.and_then(|(entry, _)| entry.turn())));
             let turns: Vec<Option<u32>> = turns.collect::<Result<_, StoreError>>()?;
@@ -214,12 +215,16 @@ impl Own {
         Ok(Self { store: store.clone(), key, work: work.clone(), entry, pace, told: Instant::now() })
     }
 
-    /// Objects of other work. They are listed twice: some file systems miss a file that is replaced while its
-    /// folder is read.
-    fn others(&self) -> Result<BTreeSet<String>, StoreError> {
+    /// All objects that tell who is at work.
+    fn listed(&self) -> Result<Vec<String>, StoreError> {
+        self.store.backend().keys(keys::LOCKS)
+    }
+
+    /// Objects of other work, out of those that were listed. They are listed once more: some file systems
+    /// miss a file that is replaced while its folder is read.
+    fn others(&self, listed: Vec<String>) -> Result<BTreeSet<String>, StoreError> {
         let own = name_of(&self.work.key);
-        let list = || self.store.backend().keys(keys::LOCKS);
-        let mut found: BTreeSet<String> = list()?.into_iter().chain(list()?).collect();
+        let mut found: BTreeSet<String> = listed.into_iter().chain(self.listed()?).collect();
         found.retain(|key| Named::parse(key).is_some_and(|named| named.work != own));
         Ok(found)
     }
@@ -244,19 +249,20 @@ impl Own {
         Ok(Some((entry, bytes)))
     }
 
-    /// Removes what dead processes of this machine left that did the same work: nobody else looks at them.
-    fn sweep(&self) -> Result<Vec<Holder>, StoreError> {
+    /// Removes what dead processes of this machine left that did the same work, out of what was listed:
+    /// nobody else looks at them.
+    fn sweep(&self, listed: &[String]) -> Result<Vec<Holder>, StoreError> {
         let (own, host) = (name_of(&self.work.key), &self.entry.holder.host);
         let mut dead = Vec::new();
-        for key in self.store.backend().keys(keys::LOCKS)? {
+        for key in listed {
             let is_ended = |named: Named<'_>| {
                 named.work == own && named.host == *host && !process::is_running(named.process)
             };
-            if Named::parse(&key).is_some_and(is_ended)
-                && let Some((entry, _)) = self.entry_of(&key)?
+            if Named::parse(key).is_some_and(is_ended)
+                && let Some((entry, _)) = self.entry_of(key)?
                 && entry.holder.is_running() == Some(false)
             {
-                self.store.backend().remove(&key)?;
+                self.store.backend().remove(key)?;
                 dead.push(entry.holder);
             }
         }
@@ -265,7 +271,7 @@ impl Own {
 
     /// Waits until nobody of other work is before this one; who of them turned out to be dead.
     fn wait(&mut self, events: &dyn LockEvents) -> Result<Vec<Holder>, StoreError> {
-        let others = self.others()?.into_iter();
+        let others = self.others(self.listed()?)?.into_iter();
         let mut watched: BTreeMap<String, Watched> = others.map(|key| (key, Watched::default())).collect();
         let mut dead = Vec::new();
         loop {
@@ -336,7 +342,7 @@ impl Own {
         while told.recv_timeout(self.pace.beat) == Err(RecvTimeoutError::Timeout) {
             // Removed: by others, or by hand. Ours is put before the others are looked for.
             if matches!(self.tell(), Ok(false))
-                && let Ok(others) = self.others()
+                && let Ok(others) = self.listed().and_then(|listed| self.others(listed))
                 && let Some(Ok(Some((other, _)))) = others.first().map(|key| self.entry_of(key))
             {
                 events.is_lost(&other.holder);

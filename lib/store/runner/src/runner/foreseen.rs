@@ -3,7 +3,6 @@
 
 use std::path::Path;
 
-use rayon::prelude::*;
 use settings::Fault;
 use store::Scope;
 
@@ -40,9 +39,9 @@ impl<S: StageSettings> Run<'_, S> {
                 (Some(foreseer), Scope::Scene(scene)) => Some((scene, foreseer.look(&survey, scene)?)),
                 _ => None,
             };
-            Ok((Looked { scope, state, is_untidy }, is_imported, found))
+            Ok::<_, StageError>((Looked { scope, state, is_untidy }, is_imported, found))
         };
-        let all: Vec<_> = scopes.par_iter().map(of_scope).collect::<Result<_, StageError>>()?;
+        let all = status.side_by_side(scopes, of_scope)?;
         let (mut looked, mut refused, mut found) = (Vec::new(), Vec::new(), Vec::new());
         for (of_scope, is_imported, of_scene) in all {
             refused.extend(is_imported.then_some(of_scope.scope));

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
 use store::Scope;
 
 use super::{Looked, Run};
@@ -44,7 +43,7 @@ impl<S: StageSettings> Run<'_, S> {
         let followers = self.spec.with_followers();
         let is_follower = |stage: &StageSpec| followers.iter().any(|follower| follower.name == stage.name);
         let status = self.status().by_code(self.code());
-        let ahead = looked.par_iter().map(|of_scope| {
+        let ahead = status.side_by_side(looked, |of_scope| {
             let survey = status.survey(of_scope.scope);
             let mut core_s = 0.0;
             for stage in later.iter().filter(|stage| stage.unit == UnitKind::Scene) {
@@ -54,9 +53,9 @@ impl<S: StageSettings> Run<'_, S> {
                     core_s += work_s(planned, of_scope.scope, stage.name);
                 }
             }
-            Ok(core_s)
-        });
-        let ahead_s: f64 = ahead.collect::<Result<Vec<f64>, StageError>>()?.iter().sum();
+            Ok::<_, StageError>(core_s)
+        })?;
+        let ahead_s: f64 = ahead.iter().sum();
         let ahead_s = if ahead_s > LITTLE_S {
             let Machine { times, .. } = Machine::measured();
             ahead_s * times / rayon::current_num_threads().max(1) as f64

@@ -13,7 +13,8 @@ use object_store::{BackoffConfig, ClientOptions, ObjectStore, RetryConfig};
 use super::bucket::Objects;
 use super::failure::Access;
 use super::profile::Profile;
-use super::runtime::{choose_encryption, patience};
+use super::runtime::choose_encryption;
+use super::service::patience;
 use crate::StoreError;
 
 /// A kind of service.

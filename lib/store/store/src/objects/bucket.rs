@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
-use std::time::{Instant, SystemTime};
+use std::time::SystemTime;
 
 use bytes::Bytes;
 use futures_util::TryStreamExt;
@@ -12,7 +12,7 @@ use tokio::sync::Semaphore;
 
 use super::failure::{Access, Failure};
 use super::ranges::Ranges;
-use super::runtime::{patience, read, wait};
+use super::service::Service;
 use super::upload::{UNDER_WAY, Upload};
 use crate::StoreError;
 use crate::backend::{Area, Backend, LARGEST_READ, Listed, Listing, Shard, Sink, Unfinished};
@@ -22,7 +22,7 @@ const LOOKS: usize = 5;
 
 /// A folder of a bucket.
 pub struct Objects {
-    service: Arc<dyn ObjectStore>,
+    service: Arc<Service>,
     /// The bucket, as a URL.
     bucket: String,
     /// The folder in it, without `/` at its end; `""` for all of the bucket.
@@ -40,6 +40,7 @@ impl Objects {
         let (bucket, folder) = (bucket.to_owned(), folder.to_owned());
         let parts = Arc::new(Semaphore::new(UNDER_WAY));
         let access = Access { endpoint: None, credentials: "the program gave credentials".into() };
+        let service = Arc::new(Service::new(service));
         Self { service, bucket, folder, parts, opened: Mutex::default(), access: access.into() }
     }
 
@@ -84,8 +85,8 @@ impl Objects {
 
     /// A whole object and its version, or `None` when there is none.
     fn found(&self, path: &Path) -> Result<Option<(Found, UpdateVersion)>, Failure> {
-        let found = wait(read(|| async {
-            let found = self.service.get(path).await?;
+        let found = self.service.wait(self.service.read(|| async {
+            let found = self.service.client.get(path).await?;
             let version =
                 UpdateVersion { e_tag: found.meta.e_tag.clone(), version: found.meta.version.clone() };
             let size = found.meta.size;
@@ -104,7 +105,7 @@ impl Objects {
     /// What a service tells of an object without its bytes.
     fn head(&self, key: &str) -> Result<Option<ObjectMeta>, StoreError> {
         let path = self.path(key)?;
-        match wait(async { self.service.head(&path).await.map_err(Failure::from) }) {
+        match self.service.wait(async { self.service.client.head(&path).await.map_err(Failure::from) }) {
             Ok(found) => Ok(Some(found)),
             Err(Failure::Absent) => Ok(None),
             Err(failure) => Err(self.read_failed(key, "look at")(failure)),
@@ -114,18 +115,20 @@ impl Objects {
     fn put(&self, path: &Path, bytes: &[u8], mode: PutMode) -> Result<(), Failure> {
         let payload = PutPayload::from(Bytes::copy_from_slice(bytes));
         let options = PutOptions { mode, ..PutOptions::default() };
-        wait(async { self.service.put_opts(path, payload, options).await.map(drop).map_err(Failure::from) })
+        self.service.wait(async {
+            self.service.client.put_opts(path, payload, options).await.map(drop).map_err(Failure::from)
+        })
     }
 
     /// Puts on a condition. The answer may be lost after it was done, and "there is one" may come of two that
     /// asked at once, of whom none succeeded: so what lies there decides, and nothing there means again.
     fn put_on_condition(&self, path: &Path, bytes: &[u8], mode: &PutMode) -> Result<bool, Failure> {
-        let (mut last, start) = (Failure::Conflict, Instant::now());
+        let mut last = Failure::Conflict;
         for _ in 0..LOOKS {
             last = match self.put(path, bytes, mode.clone()) {
                 Ok(()) => return Ok(true),
                 // Nobody answers: looking would take as long again.
-                Err(failure @ Failure::Away(_)) if start.elapsed() >= patience() => return Err(failure),
+                Err(failure @ Failure::Away(_)) if self.service.is_away() => return Err(failure),
                 Err(failure @ (Failure::Conflict | Failure::Away(_))) => failure,
                 Err(failure) => return Err(failure),
             };
@@ -209,7 +212,7 @@ impl Backend for Objects {
 
     fn remove(&self, key: &str) -> Result<(), StoreError> {
         let path = self.path(key)?;
-        match wait(async { self.service.delete(&path).await.map_err(Failure::from) }) {
+        match self.service.wait(async { self.service.client.delete(&path).await.map_err(Failure::from) }) {
             Ok(()) | Err(Failure::Absent) => Ok(()),
             Err(failure) => Err(self.write_failed(key, "remove")(failure)),
         }
@@ -217,8 +220,8 @@ impl Backend for Objects {
 
     fn list(&self, folder: &str) -> Result<Listing, StoreError> {
         let path = self.path(folder.trim_end_matches('/'))?;
-        let found = wait(read(|| async {
-            let found: Vec<_> = self.service.list(Some(&path)).try_collect().await?;
+        let found = self.service.wait(self.service.read(|| async {
+            let found: Vec<_> = self.service.client.list(Some(&path)).try_collect().await?;
             Ok(found)
         }));
         let found = found.map_err(self.read_failed(folder, "list"))?;
@@ -230,7 +233,9 @@ impl Backend for Objects {
 
     fn folders(&self, folder: &str) -> Result<Vec<String>, StoreError> {
         let path = self.path(folder.trim_end_matches('/'))?;
-        let found = wait(read(|| async { Ok(self.service.list_with_delimiter(Some(&path)).await?) }));
+        let found = self.service.wait(
+            self.service.read(|| async { Ok(self.service.client.list_with_delimiter(Some(&path)).await?) }),
+        );
         let found = found.map_err(self.read_failed(folder, "list"))?;
         let names = found.common_prefixes.iter().filter_map(|path| path.filename().map(str::to_owned));
         Ok(names.collect::<BTreeSet<_>>().into_iter().collect())

@@ -10,7 +10,9 @@ mod failure;
 mod profile;
 mod ranges;
 mod runtime;
+mod service;
 mod upload;
 
 pub(crate) use address::{open, without_secrets};
 pub use bucket::Objects;
+pub use service::hurry_when;

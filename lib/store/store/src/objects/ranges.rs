@@ -6,10 +6,11 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use bytes::Bytes;
 use object_store::path::Path;
-use object_store::{GetOptions, GetRange, ObjectStore, ObjectStoreExt};
+use object_store::{GetOptions, GetRange, ObjectStoreExt};
 
 use super::failure::Failure;
-use super::runtime::{read, start, wait};
+use super::runtime::start;
+use super::service::Service;
 use crate::backend::Shard;
 
 /// The end of an object that is fetched as it is opened: indices of tables and archives lie there.
@@ -27,7 +28,7 @@ const KEPT_BYTES: u64 = 12 << 20;
 
 /// An open object.
 pub(super) struct Ranges {
-    service: Arc<dyn ObjectStore>,
+    service: Arc<Service>,
     path: Path,
     bytes: u64,
     /// Which of the objects that have lain there, if the service tells.
@@ -112,13 +113,9 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 impl Ranges {
     /// Opens an object; its end comes along. Where its size is not told it is asked for: of a service that is
     /// asked for the end of an object alone, some know nothing, and some fail where the object is shorter.
-    pub(super) fn open(
-        service: Arc<dyn ObjectStore>,
-        path: Path,
-        told: Option<u64>,
-    ) -> Result<Self, Failure> {
-        let size = || async { Ok::<u64, Failure>(service.head(&path).await?.size) };
-        let (bytes, e_tag, from, tail) = wait(read(|| async {
+    pub(super) fn open(service: Arc<Service>, path: Path, told: Option<u64>) -> Result<Self, Failure> {
+        let size = || async { Ok::<u64, Failure>(service.client.head(&path).await?.size) };
+        let (bytes, e_tag, from, tail) = service.wait(service.read(|| async {
             let bytes = match told {
                 Some(bytes) => bytes,
                 None => size().await?,
@@ -128,7 +125,7 @@ impl Ranges {
             }
             let wanted = bytes.saturating_sub(TAIL)..bytes;
             let options = GetOptions::new().with_range(Some(GetRange::Bounded(wanted.clone())));
-            let found = match service.get_opts(&path, options).await.map_err(Failure::from) {
+            let found = match service.client.get_opts(&path, options).await.map_err(Failure::from) {
                 Ok(found) if found.meta.size == bytes && found.range == wanted => found,
                 // It has another size than was told.
                 Ok(found) => return Ok((found.meta.size, None, found.meta.size, Bytes::new())),
@@ -192,17 +189,19 @@ impl Ranges {
         let (service, path) = (Arc::clone(&self.service), self.path.clone());
         let (size, e_tag) = (self.bytes, self.e_tag.clone());
         async move {
-            read(|| async {
-                let options = GetOptions::new().with_range(Some(GetRange::Bounded(range.clone())));
-                let found = service.get_opts(&path, options).await?;
-                let is_another = e_tag.is_some() && found.meta.e_tag.is_some() && e_tag != found.meta.e_tag;
-                // It was replaced since it was opened: parts of two objects make none.
-                if is_another || found.meta.size != size || found.range != range {
-                    return Err(Failure::Conflict);
-                }
-                Ok(found.bytes().await?)
-            })
-            .await
+            service
+                .read(|| async {
+                    let options = GetOptions::new().with_range(Some(GetRange::Bounded(range.clone())));
+                    let found = service.client.get_opts(&path, options).await?;
+                    let is_another =
+                        e_tag.is_some() && found.meta.e_tag.is_some() && e_tag != found.meta.e_tag;
+                    // It was replaced since it was opened: parts of two objects make none.
+                    if is_another || found.meta.size != size || found.range != range {
+                        return Err(Failure::Conflict);
+                    }
+                    Ok(found.bytes().await?)
+                })
+                .await
         }
     }
 
@@ -216,7 +215,8 @@ impl Ranges {
             return;
         }
         let (request, fetched) = (self.fetch(block.range.clone()), Arc::clone(&block));
-        if let Err(error) = start(async move { fetched.tell(request.await) }) {
+        let service = Arc::clone(&self.service);
+        if let Err(error) = start(async move { fetched.tell(service.within(request).await) }) {
             block.tell(Err(error.into()));
         }
     }
@@ -255,7 +255,7 @@ impl Shard for Ranges {
         let read_on = self.read_on(&range);
         let (block, is_new) = self.block(&range, self.with_what_follows(&range, read_on), false);
         if is_new {
-            block.tell(wait(self.fetch(block.range.clone())));
+            block.tell(self.service.wait(self.fetch(block.range.clone())));
         }
         if let Some(bytes) = read_on.filter(|_| !block.is_told) {
             let next = block.range.end..(block.range.end + 1).min(self.bytes);

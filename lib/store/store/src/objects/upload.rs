@@ -5,12 +5,13 @@ use std::io::{self, Write};
 use std::sync::Arc;
 
 use object_store::path::Path;
-use object_store::{MultipartUpload, ObjectStore, ObjectStoreExt, PutPayload};
+use object_store::{MultipartUpload, ObjectStoreExt, PutPayload};
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::task::JoinHandle;
 
 use super::failure::Failure;
 use super::runtime::{start, wait};
+use super::service::Service;
 use crate::StoreError;
 use crate::backend::Sink;
 
@@ -21,7 +22,7 @@ pub(super) const UNDER_WAY: usize = 8;
 
 /// An object being written.
 pub(super) struct Upload {
-    service: Arc<dyn ObjectStore>,
+    service: Arc<Service>,
     path: Path,
     budget: Arc<Semaphore>,
     failed: Box<dyn Fn(Failure) -> StoreError + Send>,
@@ -33,7 +34,7 @@ pub(super) struct Upload {
 /// The parts of a larger object.
 struct Parts {
     upload: Box<dyn MultipartUpload>,
-    under_way: VecDeque<JoinHandle<object_store::Result<()>>>,
+    under_way: VecDeque<JoinHandle<Result<(), Failure>>>,
     hasher: blake3::Hasher,
     bytes: u64,
 }
@@ -41,7 +42,7 @@ struct Parts {
 impl Upload {
     /// Starts an object. `failed` says where it was to be.
     pub(super) fn new(
-        service: Arc<dyn ObjectStore>,
+        service: Arc<Service>,
         path: Path,
         budget: Arc<Semaphore>,
         failed: Box<dyn Fn(Failure) -> StoreError + Send>,
@@ -53,7 +54,8 @@ impl Upload {
     fn send(&mut self) -> Result<(), Failure> {
         if self.parts.is_none() {
             let (service, path) = (&self.service, &self.path);
-            let upload = wait(async { service.put_multipart(path).await.map_err(Failure::from) })?;
+            let upload =
+                service.wait(async { service.client.put_multipart(path).await.map_err(Failure::from) })?;
             let hasher = blake3::Hasher::new();
             self.parts = Some(Parts { upload, under_way: VecDeque::new(), hasher, bytes: 0 });
         }
@@ -68,8 +70,9 @@ impl Upload {
         parts.hasher.update(&part);
         parts.bytes += part.len() as u64;
         let request = parts.upload.put_part(PutPayload::from(part));
+        let service = Arc::clone(&self.service);
         parts.under_way.push_back(start(async move {
-            let answer = request.await;
+            let answer = service.within(async { request.await.map_err(Failure::from) }).await;
             drop(permit);
             answer
         })?);
@@ -80,16 +83,16 @@ impl Upload {
         if self.parts.is_none() {
             let payload = PutPayload::from(std::mem::take(&mut self.rest));
             let (service, path) = (&self.service, &self.path);
-            wait(async { service.put(path, payload).await.map_err(Failure::from) })?;
+            service.wait(async { service.client.put(path, payload).await.map_err(Failure::from) })?;
             return Ok(());
         }
         if !self.rest.is_empty() {
             self.send()?;
         }
         let Some(mut parts) = self.parts.take() else { return Ok(()) };
-        let done = parts
-            .land_all()
-            .and_then(|()| wait(async { parts.upload.complete().await.map(drop).map_err(Failure::from) }));
+        let done = parts.land_all().and_then(|()| {
+            self.service.wait(async { parts.upload.complete().await.map(drop).map_err(Failure::from) })
+        });
         let Err(failure) = done else { return Ok(()) };
         // The answer may be lost after it was done: then the upload is gone, and the object is there.
         if matches!(failure, Failure::Absent | Failure::Away(_)) && self.is_there(&parts) {
@@ -105,13 +108,13 @@ impl Upload {
     /// Whether what was sent is what lies there.
     fn is_there(&self, parts: &Parts) -> bool {
         let (service, path) = (&self.service, &self.path);
-        let read = wait(async {
-            let found = service.head(path).await?;
+        let read = service.wait(async {
+            let found = service.client.head(path).await?;
             let mut hasher = blake3::Hasher::new();
             let mut at = 0;
             while at < found.size {
                 let end = found.size.min(at + PART as u64);
-                hasher.update(&service.get_range(path, at..end).await?);
+                hasher.update(&service.client.get_range(path, at..end).await?);
                 at = end;
             }
             Ok::<_, Failure>((found.size, hasher.finalize()))
@@ -124,7 +127,7 @@ impl Parts {
     /// Waits for the first part under way.
     fn land(&mut self) -> Result<(), Failure> {
         let Some(first) = self.under_way.pop_front() else { return Ok(()) };
-        wait(async { first.await.map_err(|e| Failure::Away(io::Error::other(e)))?.map_err(Failure::from) })
+        wait(async { first.await.map_err(|e| Failure::Away(io::Error::other(e)))? })
     }
 
     fn land_all(&mut self) -> Result<(), Failure> {
@@ -160,7 +163,10 @@ impl Drop for Upload {
     fn drop(&mut self) {
         let Some(mut parts) = self.parts.take() else { return };
         // One that cannot be given up now is for the bucket's rule.
+        if self.service.is_away() {
+            return;
+        }
         let _ = parts.land_all();
-        let _ = wait(async { parts.upload.abort().await.map_err(Failure::from) });
+        let _ = self.service.wait(async { parts.upload.abort().await.map_err(Failure::from) });
     }
 }
