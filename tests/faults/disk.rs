@@ -354,7 +354,10 @@ impl Disk {
         if let Some(problem) = damage(Arc::new(store::Disk::new(store))) {
             return Some(problem);
         }
+        // By a clock that went back nothing is old enough to be removed: the next run does it.
+        let may_be_left = step.name == "tidy" && fault == BACK;
         if outcome.code == 0
+            && !may_be_left
             && let Some(problem) = difference(&found, &states.after)
         {
             return Some(format!("ends well, but {problem}"));

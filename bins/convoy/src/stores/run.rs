@@ -9,7 +9,7 @@ use arguments::device::DeviceArgs;
 use arguments::stage::Progress;
 use runner::{
     EXIT_DONE, EXIT_KILLED, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, EXIT_USAGE, Graph, Programs, STAMP_LEN,
-    SceneList, Shard, StageSpec, Suspicious, TaskRules, UnitKind, say, settings_or_faults,
+    SceneList, Shard, StageSpec, Suspicious, TaskRules, TaskScene, UnitKind, say, settings_or_faults,
 };
 
 /// How often a running stage is looked at.
@@ -263,9 +263,15 @@ fn of_task(
     };
     let (index, count) = (shard.index, shard.count);
     tracing::info!("share {index} of {count}: {} scenes to make", scenes.len());
-    for (scene, stages) in scenes {
+    let all_s: f64 = scenes.iter().flat_map(|scene| &scene.stages).map(|(_, work_s)| work_s).sum();
+    let (start, mut done_s, all) = (Instant::now(), 0.0, scenes.len());
+    for (number, TaskScene { scene, stages }) in scenes.into_iter().enumerate() {
+        if let Some((amount, unit)) = time_left(start.elapsed(), done_s, all_s) {
+            tracing::info!("scene {} of {all} of this share: {amount} {unit} left", number + 1);
+        }
+        done_s += stages.iter().map(|(_, work_s)| work_s).sum::<f64>();
         let scene = scene.to_string();
-        for stage in stages {
+        for (stage, _) in stages {
             let code = table.run(stage, &["--scenes", &scene, "--redo"]);
             if is_final(code) {
                 return None;
@@ -277,6 +283,12 @@ fn of_task(
         }
     }
     None
+}
+
+/// How long the rest of some work takes at the pace of what is done; nothing before anything is.
+fn time_left(since: Duration, done_s: f64, all_s: f64) -> Option<(String, &'static str)> {
+    let is_known = done_s > 0.0 && done_s < all_s;
+    is_known.then(|| runner::forecast::span(since.as_secs_f64() * (all_s - done_s) / done_s))
 }
 
 /// Whether nothing more is to be tried after an exit code.
@@ -386,5 +398,17 @@ fn try_run_program(command: &mut Command) -> std::io::Result<u8> {
             );
         }
         std::thread::sleep(LOOK_EVERY);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_that_is_left_follows_the_pace_of_what_is_done() {
+        let left = |done_s, all_s| time_left(Duration::from_secs(300), done_s, all_s);
+        assert_eq!(left(100.0, 400.0), Some(("15".to_owned(), "minutes")));
+        assert_eq!([left(0.0, 400.0), left(400.0, 400.0)], [None, None]);
     }
 }

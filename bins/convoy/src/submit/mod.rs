@@ -19,8 +19,8 @@ use std::process::Command;
 
 use runner::forecast::{Machine, Work};
 use runner::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, EditionWish, Graph, Programs, STAMP_LEN, StageError, Status,
-    Suspicious, say, settings_or_faults,
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, EditionWish, Graph, PlannedWork, Programs, STAMP_LEN,
+    StageError, Status, Suspicious, say, settings_or_faults,
 };
 use settings::DatasetSettings;
 use store::{Store, StoreError};
@@ -232,9 +232,6 @@ fn is_made(store: &Path) -> Result<bool, StoreError> {
         Err(e) => Err(e),
     }
 }
-
-/// Estimated work of each scene and stage.
-type PlannedWork = BTreeMap<u32, BTreeMap<&'static str, Work>>;
 
 /// What the plan of a store will cost.
 fn work_of(

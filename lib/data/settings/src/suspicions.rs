@@ -37,14 +37,19 @@ pub(crate) fn look(root: &Section<'_>, all: &DatasetSettings) {
         rigs_of_nobody(root, &top);
         if !root.names_all() {
             unused(root, &top);
-            placed_by_default(root, &top);
         }
+    }
+    if !root.names_all() {
+        placed_by_default(root, &top);
     }
     let sections = root.sections("groups", "", "").unwrap_or_default();
     for (section, group) in sections.iter().zip(&groups) {
         weather_shares(section, group);
         places_without_scenes(section, group);
         rigs_of_nobody(section, group);
+        if !root.names_all() {
+            placed_by_default(section, group);
+        }
     }
 }
 

@@ -67,7 +67,7 @@ pub fn read_annotations(exported: &ExportedSamples) -> Result<PredictionFile, Ev
     let mut names = Vec::new();
     for version in exported.versions() {
         let path = version.join("sample_annotation.json");
-        let mut tables = Tables::read(version, exported)?;
+        let tables = Tables::read(version, exported)?;
         let mut group: Option<(SampleId, Vec<Annotation>)> = None;
         each_row(&path, |row: Annotation| {
             let (sample, _) = exported.sample(&row.sample_token).ok_or_else(|| {
@@ -90,7 +90,7 @@ pub fn read_annotations(exported: &ExportedSamples) -> Result<PredictionFile, Ev
         names.push(path.display().to_string());
     }
     for sample in exported.samples() {
-        rows.push(sample, None, [0.0; 3]).map_err(|e| fault(Path::new(&names.join(", ")), e.to_string()))?;
+        rows.push(sample, None, [0.0; 3]);
     }
     rows.finish(names.join(", "))
 }
@@ -134,7 +134,7 @@ impl Tables {
 
     /// Writes the annotations of an agent of a scene.
     fn write(
-        &mut self,
+        &self,
         whole: &[Annotation],
         exported: &ExportedSamples,
         rows: &mut Scratch,
@@ -166,7 +166,7 @@ impl Tables {
                 velocity: self.velocity_mps(row, &by_token)?,
                 attribute,
             };
-            rows.push(sample, Some(&found), shift).map_err(|e| e.to_string())?;
+            rows.push(sample, Some(&found), shift);
         }
         Ok(())
     }

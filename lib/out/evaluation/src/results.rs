@@ -154,13 +154,11 @@ impl<'de> Visitor<'de> for Boxes<'_> {
                 velocity: found.velocity.map(|v| v.unwrap_or(f64::NAN)),
                 attribute: &found.attribute_name,
             };
-            let pushed = self.rows.push(self.sample, Some(&found), self.shift);
-            pushed.map_err(|e| fault(e.to_string()))?;
+            self.rows.push(self.sample, Some(&found), self.shift);
             number += 1;
         }
         if number == 0 {
-            let named = self.rows.push(self.sample, None, self.shift);
-            named.map_err(|e| A::Error::custom(format!("sample `{}`: {e}", self.token)))?;
+            self.rows.push(self.sample, None, self.shift);
         }
         Ok(())
     }

@@ -38,6 +38,8 @@ pub(crate) struct Scratch {
     writer: ArrowWriter<File>,
     file: File,
     columns: Columns,
+    /// Why no more is written: no fault of what the boxes are from.
+    failed: Option<ParquetError>,
 }
 
 /// Columns of predictions.
@@ -58,22 +60,26 @@ struct Columns {
 impl Scratch {
     /// An empty one.
     pub(crate) fn new() -> Result<Self, EvaluationError> {
-        let file = tempfile::tempfile().map_err(|e| unwritten(&e.to_string()))?;
+        Self::to(tempfile::tempfile().map_err(|e| unwritten(&e.to_string()))?)
+    }
+
+    fn to(file: File) -> Result<Self, EvaluationError> {
         let copy = file.try_clone().map_err(|e| unwritten(&e.to_string()))?;
         let mut columns = Columns::default();
         let batch = columns.take().map_err(|e| unwritten(&e.to_string()))?;
         let writer =
             ArrowWriter::try_new(copy, batch.schema(), None).map_err(|e| unwritten(&e.to_string()))?;
-        Ok(Self { writer, file, columns })
+        Ok(Self { writer, file, columns, failed: None })
     }
 
-    /// Adds a box of a sample; none names a sample that has no box.
+    /// Adds a box of a sample; none names a sample that has no box. Where it cannot be written
+    /// [`Scratch::finish`] says why.
     pub(crate) fn push(
         &mut self,
         sample: SampleId,
         found: Option<&ForeignBox<'_>>,
         global_from_world_m: [f64; 3],
-    ) -> Result<(), ParquetError> {
+    ) {
         let to = &mut self.columns;
         to.scenes.push(sample.scene);
         to.frames.push(sample.frame);
@@ -95,18 +101,23 @@ impl Scratch {
             to.velocities.extend([f64::NAN; 3]);
             to.attributes.push(String::new());
         }
-        if to.scenes.len() == BATCH_ROWS { self.flush() } else { Ok(()) }
+        if to.scenes.len() == BATCH_ROWS {
+            self.flush();
+        }
     }
 
-    fn flush(&mut self) -> Result<(), ParquetError> {
-        let batch = self.columns.take()?;
-        self.writer.write(&batch)
+    fn flush(&mut self) {
+        let batch = self.columns.take();
+        if self.failed.is_none() {
+            self.failed = batch.and_then(|batch| self.writer.write(&batch)).err();
+        }
     }
 
     /// The file; `name` is what messages call it.
     pub(crate) fn finish(mut self, name: String) -> Result<PredictionFile, EvaluationError> {
-        self.flush().map_err(|e| unwritten(&e.to_string()))?;
-        self.writer.close().map_err(|e| unwritten(&e.to_string()))?;
+        self.flush();
+        let closed = self.failed.map_or_else(|| self.writer.close().map(drop), Err);
+        closed.map_err(|e| unwritten(&e.to_string()))?;
         PredictionFile::of(self.file, name)
     }
 }
@@ -119,7 +130,7 @@ fn unwritten(problem: &str) -> EvaluationError {
 
 impl Columns {
     /// What is there, as a batch.
-    fn take(&mut self) -> Result<RecordBatch, parquet::errors::ParquetError> {
+    fn take(&mut self) -> Result<RecordBatch, ParquetError> {
         let lists = |values: &mut Vec<f64>, length: i32| -> Result<ArrayRef, arrow_schema::ArrowError> {
             let item = Arc::new(Field::new("item", DataType::Float64, false));
             let values = Arc::new(Float64Array::from(std::mem::take(values)));
@@ -140,5 +151,21 @@ impl Columns {
         let may_be_null = |name: &str| matches!(name, "class" | "score");
         let columns = columns.map(|(name, values)| (name, values, may_be_null(name)));
         Ok(RecordBatch::try_from_iter_with_nullable(columns)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_disk_is_no_fault_of_what_is_read() {
+        let full = File::options().write(true).open("/dev/full").expect("Linux has one");
+        let rows = Scratch::to(full).and_then(|mut rows| {
+            let sample = SampleId { scene: 0, frame: 0, ego: "vehicle_0".parse().expect("is an agent") };
+            (0..2 * BATCH_ROWS).for_each(|_| rows.push(sample, None, [0.0; 3]));
+            rows.finish("results.json".into()).map(drop)
+        });
+        assert!(matches!(rows, Err(EvaluationError::Write { .. })), "{rows:?}");
     }
 }

@@ -10,10 +10,13 @@ use store::{Manifest, Scope, Store, StoreError, keys};
 use crate::editions::Editions;
 use crate::forecast::{Work, work_by_stage, work_of_sensors};
 
+/// Estimated work of each scene of a plan, by stage.
+pub type PlannedWork = BTreeMap<u32, BTreeMap<&'static str, Work>>;
+
 /// Work by scene and stage; the plan is read when it is asked for first.
 #[derive(Default)]
 pub(crate) struct Costs {
-    scenes: Option<BTreeMap<u32, BTreeMap<&'static str, Work>>>,
+    scenes: Option<PlannedWork>,
     /// Agents of each scene, with its frames.
     agents: Option<BTreeMap<u32, Vec<(AgentId, u32)>>>,
 }
@@ -70,8 +73,8 @@ impl Costs {
         store: &Store,
         plan: &Manifest,
         editions: &Editions,
-    ) -> Result<BTreeMap<u32, BTreeMap<&'static str, Work>>, StoreError> {
-        let mut costs: BTreeMap<u32, BTreeMap<&'static str, Work>> = BTreeMap::new();
+    ) -> Result<PlannedWork, StoreError> {
+        let mut costs = PlannedWork::new();
         for (scene, agents) in Self::agents(store, plan)? {
             let (of_scene, settings) = (costs.entry(scene).or_default(), editions.of(Scope::Scene(scene)));
             for (agent, frames) in agents {

@@ -41,6 +41,7 @@ mod why;
 
 pub use beside::{declare_all_programs, name_of, program_beside};
 pub use code_version::code_version;
+pub use costs::PlannedWork;
 pub use editions::{
     EditionError, EditionWish, Editions, newest_recorded, record_of_group, recorded as recorded_editions,
     rules_of_record,
@@ -64,7 +65,7 @@ pub use state::{NotReady, Staleness, State, StateError};
 pub use status::{Status, planned_scenes};
 pub use survey::{Survey, scene_stages};
 pub use suspicions::{Suspicious, settings_or_faults};
-pub use task::{TaskRules, planned_work, task};
+pub use task::{TaskRules, TaskScene, planned_work, task};
 pub use views::config_hash;
 pub use why::why;
 

@@ -7,7 +7,7 @@ use settings::DatasetSettings;
 use store::{Manifest, Scope, Store};
 
 use crate::agreement::{Terms, agree};
-use crate::costs::Costs;
+use crate::costs::{Costs, PlannedWork};
 use crate::editions::{self, EditionWish, Editions};
 use crate::error::StageError;
 use crate::forecast::Work;
@@ -29,7 +29,17 @@ pub struct TaskRules {
     pub accept_code: bool,
 }
 
-/// The scenes of a task, longest first, each with the stages that are not done, in running order.
+/// A scene of a task.
+#[derive(Clone, Debug)]
+pub struct TaskScene {
+    /// Its number.
+    pub scene: u32,
+    /// The stages that are not done, in running order, each with its work by the forecast, seconds of one
+    /// core.
+    pub stages: Vec<(&'static StageSpec, f64)>,
+}
+
+/// The scenes of a task that have something to do, longest first.
 ///
 /// The plan must stand by this configuration, made by a program whose stages make the same: whoever planned
 /// was asked about all that would be made again, and nobody is asked here.
@@ -41,7 +51,7 @@ pub fn task(
     shard: Shard,
     stages: &[&'static StageSpec],
     (programs, rules): (&Programs, TaskRules),
-) -> Result<Vec<(u32, Vec<&'static StageSpec>)>, StageError> {
+) -> Result<Vec<TaskScene>, StageError> {
     let store = Store::open(store)?;
     let settings = match config {
         Some(settings) => settings.clone(),
@@ -55,7 +65,7 @@ pub fn task(
     is_planned_by(plan, &status, &editions)?;
     stages.iter().try_for_each(|stage| versions_agree(plan, stage))?;
 
-    let (scenes, work_s) = share(&store, plan, &editions, shard)?;
+    let (scenes, costs) = share(&store, plan, &editions, shard)?;
     let intent = Intent { stages: stages.to_vec(), code, ..Intent::to_run_all(status.clone()) };
     let foreseer = Foreseer::new(&intent, &editions)?;
     let looked = status.side_by_side(&scenes, |&scene| {
@@ -70,7 +80,12 @@ pub fn task(
     let mut found = Vec::new();
     for (scene, stages, of_scene) in looked {
         found.push((scene, of_scene));
-        todo.extend((!stages.is_empty()).then_some((scene, stages)));
+        let work_s = |stage: &StageSpec| {
+            let work = costs.get(&scene).and_then(|stages| stages.get(stage.name));
+            work.map_or(0.0, |work| work.core_s)
+        };
+        let stages: Vec<_> = stages.into_iter().map(|stage| (stage, work_s(stage))).collect();
+        todo.extend((!stages.is_empty()).then_some(TaskScene { scene, stages }));
     }
     if let Some(foreseer) = foreseer {
         let foresight = foreseer.sum(found)?;
@@ -87,7 +102,8 @@ pub fn task(
         agree(&foresight, &terms)?;
     }
     // The longest first, so that what is left at the end is short.
-    todo.sort_by(|(a, _), (b, _)| work_s[b].total_cmp(&work_s[a]).then(a.cmp(b)));
+    let whole_s = |scene: u32| costs.get(&scene).map_or(0.0, sum_s);
+    todo.sort_by(|a, b| whole_s(b.scene).total_cmp(&whole_s(a.scene)).then(a.scene.cmp(&b.scene)));
     Ok(todo)
 }
 
@@ -95,7 +111,7 @@ pub fn task(
 ///
 /// # Errors
 /// The plan's tables cannot be read.
-pub fn planned_work(status: &Status<'_>) -> Result<BTreeMap<u32, BTreeMap<&'static str, Work>>, StageError> {
+pub fn planned_work(status: &Status<'_>) -> Result<PlannedWork, StageError> {
     match (status.plan()?.sound(), status.editions()) {
         (Some(plan), Some(editions)) => Ok(Costs::read(status.store(), plan, editions)?),
         _ => Ok(BTreeMap::new()),
@@ -142,7 +158,12 @@ pub(crate) fn versions_agree(plan: &Manifest, spec: &StageSpec) -> Result<(), St
     }
 }
 
-/// The scenes of a share, and the work of all scenes, seconds of one core.
+/// Seconds of one core of all stages.
+fn sum_s(stages: &BTreeMap<&'static str, Work>) -> f64 {
+    stages.values().map(|work| work.core_s).sum()
+}
+
+/// The scenes of a share, and the work of all scenes.
 ///
 /// # Errors
 /// The plan's tables cannot be read.
@@ -151,9 +172,8 @@ pub(crate) fn share(
     plan: &Manifest,
     editions: &Editions,
     shard: Shard,
-) -> Result<(Vec<u32>, BTreeMap<u32, f64>), StageError> {
-    let sum = |stages: BTreeMap<_, Work>| stages.into_values().map(|work| work.core_s).sum::<f64>();
+) -> Result<(Vec<u32>, PlannedWork), StageError> {
     let costs = Costs::read(store, plan, editions)?;
-    let work_s = costs.into_iter().map(|(scene, stages)| (scene, sum(stages))).collect();
-    Ok((shares::scenes_of(&work_s, shard), work_s))
+    let work_s = costs.iter().map(|(scene, stages)| (*scene, sum_s(stages))).collect();
+    Ok((shares::scenes_of(&work_s, shard), costs))
 }

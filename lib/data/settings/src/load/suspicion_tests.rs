@@ -115,6 +115,11 @@ fn sensors_that_do_not_say_where_they_are_are_said() {
     odd.toml:15: `rsu.radars[0]` does not say where it is: it is at `xyz_m = [0.0, 0.0, 1.2]`
     odd.toml:22: `rigs[0].cameras[1]` does not say where it is: it is at `xyz_m = [0.4, 0.4, 1.6]`
     ");
+    let groups = "[[vehicle.radars]]\nname = \"A\"\n[[groups]]\nname = \"one\"\n[groups.scenes.train]\n\
+                  \"convoy/demo\" = 1\n[[groups.vehicle.lidars]]\nname = \"FRONT\"\n[[groups.vehicle.lidars]]\n\
+                  name = \"BACK\"\nxyz_m = [-1, 0, 1]\n[[groups]]\nname = \"two\"\n[groups.scenes.train]\n\
+                  \"convoy/demo\" = 1\n";
+    insta::assert_snapshot!(said(groups), @"");
 }
 
 #[test]

@@ -1,20 +1,16 @@
 //! How far the scenes of a stage, and the stages of its run, have to go yet: for the time that is left.
 
-use std::collections::BTreeMap;
-
 use store::Scope;
 
 use super::{Looked, Run};
 use crate::ProgressMode;
-use crate::costs::Costs;
+use crate::costs::{Costs, PlannedWork};
 use crate::error::StageError;
-use crate::forecast::{Machine, Work};
+use crate::forecast::Machine;
 use crate::graph::{Graph, StageSpec, UnitKind};
 use crate::pace::{InRun, Pace};
 use crate::seen::StageSettings;
 use crate::state::State;
-
-type Planned = BTreeMap<u32, BTreeMap<&'static str, Work>>;
 
 /// So little work of later stages is not told, and no time is spent on how fast the machine is, core seconds.
 const LITTLE_S: f64 = 60.0;
@@ -36,7 +32,7 @@ impl<S: StageSettings> Run<'_, S> {
     }
 
     /// Which stage of its run it is, and what the later ones have to do for its scenes.
-    fn in_run(&self, planned: &Planned, looked: &[Looked]) -> Result<Option<InRun>, StageError> {
+    fn in_run(&self, planned: &PlannedWork, looked: &[Looked]) -> Result<Option<InRun>, StageError> {
         let Some(at) = self.in_run.iter().position(|name| name == S::STAGE) else { return Ok(None) };
         let later: Vec<&StageSpec> =
             self.in_run[at + 1..].iter().filter_map(|name| Graph::get().stage(name)).collect();
@@ -67,7 +63,7 @@ impl<S: StageSettings> Run<'_, S> {
 }
 
 /// Seconds of one core for a stage of a scene, by the forecast.
-fn work_s(planned: &Planned, scope: Scope, stage: &str) -> f64 {
+fn work_s(planned: &PlannedWork, scope: Scope, stage: &str) -> f64 {
     let Scope::Scene(scene) = scope else { return 0.0 };
     planned.get(&scene).and_then(|stages| stages.get(stage)).map_or(0.0, |work| work.core_s)
 }

@@ -1,6 +1,6 @@
 //! From a URL and the usual environment to a bucket.
 
-use std::net::{TcpStream, ToSocketAddrs};
+use std::net::{IpAddr, TcpStream, ToSocketAddrs};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -154,6 +154,13 @@ fn endpoint_shown(url: &str) -> String {
     format!("{scheme}://{}", rest.rsplit_once('@').map_or(rest, |(_, after)| after))
 }
 
+/// Whether what goes to an endpoint is guarded on its way: by TLS, or since it stays on this machine.
+fn is_guarded(url: &str) -> bool {
+    let Ok(url) = reqwest::Url::parse(url) else { return false };
+    let host = url.host_str().unwrap_or_default().trim_matches(['[', ']']);
+    url.scheme() == "https" || host == "localhost" || host.parse().is_ok_and(|ip: IpAddr| ip.is_loopback())
+}
+
 /// Whether this machine has a service that hands out the credentials of its role.
 fn has_instance_role(host: &str) -> bool {
     if std::env::var("AWS_EC2_METADATA_DISABLED").is_ok_and(|value| value == "true") {
@@ -217,6 +224,10 @@ fn s3(bucket: &str) -> Result<Opened, Unready> {
     // Servers of one's own need not speak TLS.
     if endpoint.as_ref().is_some_and(|url| url.starts_with("http://")) {
         builder = builder.with_allow_http(true);
+    }
+    // What is sent need not be hashed for its signature, too, where nobody can change it on the way.
+    if !given.contains(&AmazonS3ConfigKey::UnsignedPayload) {
+        builder = builder.with_unsigned_payload(endpoint.as_deref().is_none_or(is_guarded));
     }
     // Objects are removed one by one: not every server can do several at once.
     let builder = builder.with_bucket_name(bucket).with_retry(retries()).with_disable_bulk_delete(true);
@@ -305,6 +316,18 @@ mod tests {
         ] {
             let said = Address::parse("s3", rest).expect("is a bucket").expect_err(rest);
             assert!(said.contains(problem), "{rest}: {said}");
+        }
+    }
+
+    #[test]
+    fn payloads_are_signed_where_others_could_change_them() {
+        for url in
+            ["https://minio.lab:9000", "http://localhost:9000", "http://127.0.0.1:9000", "http://[::1]"]
+        {
+            assert!(is_guarded(url), "{url}");
+        }
+        for url in ["http://minio.lab:9000", "http://10.0.0.1", "http://localhost.lab", "minio.lab"] {
+            assert!(!is_guarded(url), "{url}");
         }
     }
 
