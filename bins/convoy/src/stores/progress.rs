@@ -68,6 +68,18 @@ impl Standing {
         all.all(|state| *state == State::Done)
     }
 
+    /// How many scenes failed where nothing more is made: all others are done, and the statistics are of what
+    /// there is.
+    fn failed_at_the_end(&self) -> Option<usize> {
+        let is_done = |states: &&Vec<State>| states.iter().all(|state| *state == State::Done);
+        let has_failed = |states: &&Vec<State>| states.iter().any(|state| matches!(state, State::Failed(_)));
+        let left: Vec<_> = self.scenes.values().filter(|states| !is_done(states)).collect();
+        let is_over = self.plan == State::Done
+            && self.stats.iter().all(|(_, state)| *state == State::Done)
+            && left.iter().all(has_failed);
+        (is_over && !left.is_empty()).then_some(left.len())
+    }
+
     /// How many scenes have a stage in each of four states: done, missing, stale, failed.
     fn counts(&self, stage: usize) -> [usize; 4] {
         let mut counts = [0; 4];
@@ -156,7 +168,8 @@ pub(super) fn tell_json(status: &Status<'_>) -> Result<bool, StageError> {
     Ok(standing.all_done())
 }
 
-/// Prints how the store stands again and again, until all is done or a signal comes; whether all is done.
+/// Prints how the store stands again and again, until all is done but what failed, or a signal comes; the
+/// exit code.
 pub(super) fn watch<'a>(status: impl Fn() -> Status<'a>, every: Duration) -> Result<u8, StageError> {
     runner::listen_for_signals();
     let mut past: VecDeque<(Instant, f64)> = VecDeque::new();
@@ -178,6 +191,10 @@ pub(super) fn watch<'a>(status: impl Fn() -> Status<'a>, every: Duration) -> Res
         standing.lines(rate).iter().for_each(|line| say(line));
         if standing.all_done() {
             return Ok(EXIT_DONE);
+        }
+        if let Some(failed) = standing.failed_at_the_end() {
+            say(&format!("all others are done, and so are the statistics: {failed} scenes failed"));
+            return Ok(EXIT_SOME_FAILED);
         }
         while now.elapsed() < every {
             if runner::was_stopped() {
@@ -206,7 +223,7 @@ mod tests {
         let done = vec![State::Done; count];
         let mut failed = vec![State::Missing; count];
         failed[0] = State::Failed("the map is broken\nin line 3".into());
-        let standing = Standing {
+        let mut standing = Standing {
             plan: State::Done,
             scenes: BTreeMap::from([(0, done), (7, failed)]),
             stats: vec![("stats", State::Missing)],
@@ -229,5 +246,10 @@ mod tests {
         ");
         assert!(standing.lines(None).contains(&"25.0 % of the work is done".to_owned()));
         assert_eq!(standing.json()["scenes"][1]["stages"]["bev-gt"]["state"], "missing");
+        assert_eq!(standing.failed_at_the_end(), None, "the statistics are missing");
+        standing.stats[0].1 = State::Done;
+        assert_eq!(standing.failed_at_the_end(), Some(1));
+        standing.scenes.insert(8, vec![State::Missing; count]);
+        assert_eq!(standing.failed_at_the_end(), None, "scene 8 is to come");
     }
 }

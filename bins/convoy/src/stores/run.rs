@@ -60,8 +60,9 @@ pub(crate) struct RunArgs {
     /// Warnings about the configuration and about the plan are errors (2).
     #[arg(long)]
     strict: bool,
-    /// Let a configuration of another name take over the store.
-    #[arg(long, conflicts_with = "accept_code")]
+    /// Make what is done again; of the planner: let a configuration of another name take over the store.
+    /// Where the planner is among the stages, it is for that alone.
+    #[arg(long, conflicts_with_all = ["accept_code", "shard"])]
     force: bool,
     /// Keep what older code made, where nothing else changed; the manifests say so. For upgrades in
     /// mid-dataset.
@@ -227,6 +228,7 @@ fn of_stages(args: &RunArgs, stages: &[&StageSpec], table: &mut Table) {
         match (stage.unit, is_planned) {
             (UnitKind::Plan, _) => words.extend(&of_planner),
             (_, true) => words.push("--redo-older"),
+            (_, false) if args.force => words.push("--force"),
             (_, false) => words.extend(args.redo.then_some("--redo")),
         }
         let code = table.run(stage, &words);
@@ -333,7 +335,8 @@ impl Table {
             };
             say(&format!("{name:<20} {secs:>9.1}{outcome}"));
         }
-        let total: f64 = self.rows.iter().map(|(_, secs, _)| secs).sum();
+        // Of nothing the sum would be -0.0.
+        let total = self.rows.iter().fold(0.0, |total, (_, secs, _)| total + secs);
         say(&format!("{:<20} {total:>9.1}", "total"));
     }
 }

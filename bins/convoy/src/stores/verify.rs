@@ -1,11 +1,14 @@
 //! Every shard of a store hashed again.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use runner::{EXIT_DONE, EXIT_SOME_FAILED, Graph, StageError, StageSpec, UnitKind, planned_scenes, say};
+use runner::{
+    EXIT_DONE, EXIT_SOME_FAILED, Graph, SceneList, StageError, StageSpec, UnitKind, planned_scenes, say,
+};
 use schema::table::Row;
 use schema::tables::ValidBoxRow;
-use store::{Scope, Store};
+use store::{Finding, Problem, Scope, Store};
 
 use super::status::is_imported;
 
@@ -28,9 +31,35 @@ fn may_follow_an_import(stage: &StageSpec) -> bool {
     !stage.needs_log || stage.name == ValidBoxRow::STAGE
 }
 
+/// Commands that make again what manifests name and what is missing or damaged, in the stages' order.
+fn cures(place: &Path, stages: &[(Scope, &str)], findings: &[Finding]) -> Vec<String> {
+    let is_of_shard =
+        |problem: &Problem| matches!(problem, Problem::Missing | Problem::Size { .. } | Problem::Changed);
+    let of_shards = findings.iter().filter(|finding| is_of_shard(&finding.problem));
+    let manifests: BTreeSet<&str> = of_shards.filter_map(|finding| finding.manifest.as_deref()).collect();
+    let is_faulty = |scope: &Scope, stage: &str| manifests.contains(&*scope.manifest(stage));
+    let place = place.display();
+    let of_stage = |stage: &StageSpec| {
+        let of_it = stages.iter().filter(|(scope, name)| *name == stage.name && is_faulty(scope, name));
+        let scopes: Vec<Scope> = of_it.map(|(scope, _)| *scope).collect();
+        let scenes: Vec<u32> = scopes
+            .iter()
+            .filter_map(|scope| if let Scope::Scene(scene) = scope { Some(*scene) } else { None })
+            .collect();
+        let which = match stage.unit {
+            UnitKind::Scene => format!(" --scenes {}", SceneList::of(&scenes)),
+            UnitKind::Plan => " --config FILE".to_owned(),
+            UnitKind::Stats => String::new(),
+        };
+        let name = stage.name;
+        (!scopes.is_empty()).then(|| format!("convoy run --stages {name}{which} --force --store {place}"))
+    };
+    Graph::get().stages.iter().filter_map(of_stage).collect()
+}
+
 /// Names every missing, truncated or changed shard; the exit code is 0 where there is none.
-pub(crate) fn verify(store: &Path) -> u8 {
-    let verified = Store::open_made(store).and_then(|store| {
+pub(crate) fn verify(place: &Path) -> u8 {
+    let verified = Store::open_made(place).and_then(|store| {
         let is_import = is_imported(&store)?;
         let (later, expected): (Vec<_>, Vec<_>) =
             all_stages(&store)?.into_iter().partition(|(_, stage)| is_import && may_follow_an_import(stage));
@@ -43,9 +72,10 @@ pub(crate) fn verify(store: &Path) -> u8 {
             }
         }
         let result = store::verify(&store, &expected, |_| {})?;
-        Ok((result, unmade, store.backend().lists_unfinished()))
+        let cures = cures(place, &expected, &result.findings);
+        Ok((result, cures, unmade, store.backend().lists_unfinished()))
     });
-    let (result, unmade, lists_unfinished) = match verified.map_err(StageError::from) {
+    let (result, cures, unmade, lists_unfinished) = match verified.map_err(StageError::from) {
         Ok(result) => result,
         Err(e) => {
             tracing::error!("{}", e.report());
@@ -54,6 +84,9 @@ pub(crate) fn verify(store: &Path) -> u8 {
     };
     for finding in &result.findings {
         say(&finding.to_string());
+    }
+    for cure in cures {
+        say(&format!("to make it again: {cure}"));
     }
     let in_hand = result.in_hand.iter().map(|key| format!("{key}: of a run that is going on or was stopped"));
     let unfinished = result.unfinished.iter().map(|file| {

@@ -20,10 +20,10 @@ use std::process::Command;
 use runner::forecast::{Machine, Work};
 use runner::{
     EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, EditionWish, Graph, PlannedWork, Programs, STAMP_LEN,
-    StageError, Status, Suspicious, say, settings_or_faults,
+    StageError, State, Status, Suspicious, say, settings_or_faults,
 };
 use settings::DatasetSettings;
-use store::{Store, StoreError};
+use store::{Scope, Store, StoreError};
 
 pub(crate) use self::args::SubmitArgs;
 
@@ -53,6 +53,7 @@ pub(crate) fn run(args: &SubmitArgs, stamp: &[u8; STAMP_LEN]) -> u8 {
 fn submit(args: &SubmitArgs, stamp: &[u8; STAMP_LEN]) -> Result<u8, StageError> {
     args.check_engine().map_err(StageError::usage)?;
     let Some(settings) = settings_or_faults(&args.config, Suspicious::Unsaid) else { return Ok(EXIT_USAGE) };
+    store::check_place(&args.store)?;
     let store = if is_url(&args.store) { args.store.clone() } else { absolute(&args.store)? };
     let handed_over = match args.engine {
         Engine::Kubernetes => Some(handed_over(args, &store)?),
@@ -67,37 +68,32 @@ fn submit(args: &SubmitArgs, stamp: &[u8; STAMP_LEN]) -> Result<u8, StageError> 
         Engine::Kubernetes => false,
         Engine::Ray => !is_url(&store),
     };
-    let is_new = is_in_place && !is_made(&store)?;
     let folder = match &args.to {
         Some(folder) => absolute(folder)?,
         None => jobs_folder(&store)?,
     };
-    let refused = |problem: String| {
+    let is_planned = is_in_place && has_plan(args, &store, &settings, stamp)?;
+    // A store gets its plan last: what is refused changes nothing.
+    let aside = tempfile::tempdir().map_err(|e| StageError::usage(format!("a temporary folder: {e}")))?;
+    let sizes = if is_planned { store.clone() } else { aside.path().join("sizes") };
+    if !is_planned {
+        let code = plan(args, &sizes, if is_in_place { Words::Errors } else { Words::All })?;
+        if code != EXIT_DONE {
+            return Ok(code);
+        }
+    }
+    let work = work_of(&sizes, &settings, stamp)?;
+    let size = size_of(&work, args).map_err(|problem| {
         let is_there = folder.join("submit.sh").exists();
         let earlier = format!("; the scripts in {} are of an earlier call", folder.display());
         StageError::usage(format!("{problem}{}", if is_there { &earlier } else { "" }))
-    };
-    // The store gets its plan last: what is refused changes nothing.
-    let aside = tempfile::tempdir().map_err(|e| StageError::usage(format!("a temporary folder: {e}")))?;
-    let sizes = aside.path().join("sizes");
-    let code = plan(args, &sizes, if is_in_place { Words::Errors } else { Words::All })?;
-    if code != EXIT_DONE {
-        return Ok(code);
-    }
-    let times = Machine::measured().times;
-    let mut work = work_of(&sizes, &settings, stamp)?;
-    let mut size = size_of(&work, times, args).map_err(refused)?;
+    })?;
     if is_in_place {
-        let code = plan(args, &store, Words::All)?;
+        let code = if is_planned { EXIT_DONE } else { plan(args, &store, Words::All)? };
         if code != EXIT_DONE {
             return Ok(code);
         }
         store::probe(&Store::open(&store)?)?;
-        if !is_new {
-            // It may hold what earlier configurations planned.
-            work = work_of(&store, &settings, stamp)?;
-            size = size_of(&work, times, args).map_err(refused)?;
-        }
     }
     let bytes: f64 = work.values().flat_map(BTreeMap::values).map(|work| work.bytes).sum();
 
@@ -224,12 +220,33 @@ fn jobs_folder(store: &Path) -> Result<PathBuf, StageError> {
     if is_url(store) { absolute(Path::new(&jobs)) } else { Ok(store.with_file_name(jobs)) }
 }
 
-/// Whether there is a store. One that cannot be had is no new one.
-fn is_made(store: &Path) -> Result<bool, StoreError> {
-    match Store::open_made(store) {
-        Ok(_) => Ok(true),
-        Err(StoreError::NoStore { .. }) => Ok(false),
-        Err(e) => Err(e),
+/// Whether a store has a plan by this configuration. One by another is not touched here: who plans is told
+/// what that makes again.
+fn has_plan(
+    args: &SubmitArgs,
+    place: &Path,
+    settings: &DatasetSettings,
+    stamp: &[u8; STAMP_LEN],
+) -> Result<bool, StageError> {
+    let store = match Store::open_made(place) {
+        Ok(store) => store,
+        Err(StoreError::NoStore { .. }) => return Ok(false),
+        // One that cannot be had is no new one.
+        Err(e) => return Err(e.into()),
+    };
+    let editions = runner::Editions::of_store(&store, settings, EditionWish::Known)?;
+    let programs = Programs::of_build(stamp, None);
+    let planner = Graph::get().planner();
+    match Status::new(&store, &editions, &programs).state(planner, Scope::Plan)? {
+        State::Done => Ok(true),
+        State::Missing | State::Failed(_) => Ok(false),
+        State::Stale(why) => {
+            let (place, config) = (place.display(), args.config.display());
+            Err(StageError::usage(format!(
+                "{place}: has a plan already, and {why}: see first what another one makes again, by `convoy run \
+                 --stages plan --config {config} --store {place}` (it asks, or wants --redo or --grow)"
+            )))
+        }
     }
 }
 
@@ -245,9 +262,9 @@ fn work_of(
     runner::planned_work(&Status::new(&store, &editions, &programs))
 }
 
-/// How many tasks end in time on machines that need so many times the forecast's core-seconds, or why none
-/// do.
-fn size_of(work: &PlannedWork, times: f64, args: &SubmitArgs) -> Result<Size, String> {
+/// How many tasks end in time at the speed of this machine, or why none do.
+fn size_of(work: &PlannedWork, args: &SubmitArgs) -> Result<Size, String> {
+    let times = Machine::measured().times;
     let sum = |stages: &BTreeMap<_, Work>| stages.values().map(|work| work.core_s).sum::<f64>();
     let work_s: BTreeMap<u32, f64> =
         work.iter().map(|(scene, stages)| (*scene, times * sum(stages))).collect();

@@ -10,34 +10,41 @@ use std::time::Duration;
 
 /// Number of the process that waits for this one, where it is to end with that.
 const PARENT: &str = "CONVOY_PARENT";
-/// How soon is noticed that it is gone.
-const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// How soon is noticed that it is gone, or that a signal came.
+const LOOK_EVERY: Duration = Duration::from_millis(500);
+
+/// Signals within this time are one: a scheduler signals all processes of a task, and who started this one
+/// passes it on.
+const AT_ONCE: Duration = Duration::from_secs(2);
 
 static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(|| Arc::new(AtomicBool::new(false)));
 
-/// Starts to listen. A second signal ends the process at once.
+/// Starts to listen. A second signal, two seconds after the first or later, ends the process at once.
 pub fn listen() {
     store::hurry_when(stopped);
+    let is_long_ago = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGTERM, signal_hook::consts::SIGINT] {
         // Without handlers a signal simply kills the process, which the store survives.
         let _ = signal_hook::flag::register_conditional_shutdown(
             signal,
             crate::EXIT_TRY_AGAIN.into(),
-            STOP.clone(),
+            is_long_ago.clone(),
         );
         let _ = signal_hook::flag::register(signal, STOP.clone());
     }
     let parent = std::env::var(PARENT).ok().and_then(|number| number.parse::<u32>().ok());
-    if let Some(parent) = parent {
-        // Without the thread it goes on alone, which the store survives.
-        let _ = thread::Builder::new().name("parent".to_owned()).spawn(move || {
-            while parent_id() == parent {
-                thread::sleep(LOOK_EVERY);
+    // Without the thread it goes on alone, which the store survives.
+    let _ = thread::Builder::new().name("signals".to_owned()).spawn(move || {
+        while !stopped() {
+            if parent.is_some_and(|parent| parent_id() != parent) {
+                tracing::warn!("the program that started this one is gone: this one stops, too");
+                stop();
             }
-            tracing::warn!("the program that started this one is gone: this one stops, too");
-            stop();
-        });
-    }
+            thread::sleep(LOOK_EVERY);
+        }
+        thread::sleep(AT_ONCE);
+        is_long_ago.store(true, Ordering::Relaxed);
+    });
 }
 
 /// Lets a program that this one starts stop when this one is killed: its engine may have started the task

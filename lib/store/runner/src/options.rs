@@ -68,6 +68,19 @@ pub enum ProgressMode {
 pub struct SceneList(Vec<(u32, u32)>);
 
 impl SceneList {
+    /// Of scenes in ascending order.
+    #[must_use]
+    pub fn of(scenes: &[u32]) -> Self {
+        let mut ranges: Vec<(u32, u32)> = Vec::new();
+        for &scene in scenes {
+            match ranges.last_mut() {
+                Some((_, last)) if *last + 1 == scene => *last = scene,
+                _ => ranges.push((scene, scene)),
+            }
+        }
+        Self(ranges)
+    }
+
     /// First and last number of each piece.
     #[must_use]
     pub fn ranges(&self) -> &[(u32, u32)] {
@@ -183,6 +196,7 @@ mod tests {
         let list: SceneList = "0,3,5-7".parse().expect("parses");
         assert_eq!((0..9).filter(|&s| list.contains(s)).collect::<Vec<_>>(), [0, 3, 5, 6, 7]);
         assert_eq!(list.outside(&[0, 1, 2, 3, 4, 5]), [7]);
+        assert_eq!(SceneList::of(&[0, 3, 5, 6, 7]), list);
         assert!("5-3".parse::<SceneList>().is_err());
         assert!("a".parse::<SceneList>().is_err());
     }

@@ -1,6 +1,8 @@
 //! Which build made what: its commit, and digests that tell edited programs from one another.
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -26,9 +28,8 @@ const BUILD_ID_LEN: usize = 20;
 pub struct Programs {
     commit: Option<String>,
     this: Option<PathBuf>,
-    /// Digests by stage, each found once (and once for all where one file is all of them); none where there
-    /// is no such program.
-    digests: Mutex<BTreeMap<String, Option<String>>>,
+    /// Digests by stage, each found once (and once for all where one file is all of them).
+    digests: Mutex<BTreeMap<String, String>>,
 }
 
 impl Programs {
@@ -40,21 +41,26 @@ impl Programs {
         let commit = is_committed.then_some(commit);
         let this = std::env::current_exe().ok();
         let own = stage.map(|stage| (key_of(stage), this.as_deref().and_then(digest_of)));
+        let own = own.and_then(|(key, digest)| Some((key, digest?)));
         Self { commit, this, digests: Mutex::new(own.into_iter().collect()) }
     }
 
     /// Programs of given digests by stage, for tests; none of a commit where that is `None`.
     #[cfg(test)]
     pub(crate) fn given(commit: Option<&str>, digests: &[(&str, &str)]) -> Self {
-        let digests = digests.iter().map(|(stage, digest)| ((*stage).to_owned(), Some((*digest).to_owned())));
+        let digests = digests.iter().map(|(stage, digest)| ((*stage).to_owned(), (*digest).to_owned()));
         Self { commit: commit.map(str::to_owned), this: None, digests: Mutex::new(digests.collect()) }
     }
 
     /// Digest of a stage's program; none where there is no such program.
     pub(crate) fn digest(&self, stage: &str) -> Option<String> {
         let mut digests = self.digests.lock().unwrap_or_else(PoisonError::into_inner);
-        let find = || digest_of(&file_of(self.this.as_deref()?, stage));
-        digests.entry(key_of(stage)).or_insert_with(find).clone()
+        if let Some(known) = digests.get(&key_of(stage)) {
+            return Some(known.clone());
+        }
+        let found = digest_of(&file_of(self.this.as_deref()?, stage))?;
+        digests.insert(key_of(stage), found.clone());
+        Some(found)
     }
 
     /// What manifests of a stage say of this build.
@@ -125,14 +131,28 @@ fn key_of(stage: &str) -> String {
     if is_all_programs() { "all".to_owned() } else { stage.to_owned() }
 }
 
+/// So much of a program's file is read at a time: it is larger than what memory may be left.
+const CHUNK: usize = 1 << 20;
+/// A name and what comes after it are no longer than this.
+const LONGEST: usize = 1 << 10;
+
 /// BLAKE3 of a program's file without its stamp and the linker's digest of the file, or none when it cannot
 /// be read.
 fn digest_of(program: &Path) -> Option<String> {
-    std::fs::read(program).ok().map(|mut file| {
-        blank_after(&mut file, STAMP_NAME, STAMP_LEN - STAMP_NAME.len(), is_commit);
-        blank_after(&mut file, BUILD_ID_NAME, BUILD_ID_LEN, |_| true);
-        store::hash_bytes(&file)
-    })
+    let mut file = File::open(program).ok()?;
+    let (mut hasher, mut bytes) = (blake3::Hasher::new(), Vec::new());
+    loop {
+        let read = file.by_ref().take(CHUNK as u64).read_to_end(&mut bytes).ok()?;
+        blank_after(&mut bytes, STAMP_NAME, STAMP_LEN - STAMP_NAME.len(), is_commit);
+        blank_after(&mut bytes, BUILD_ID_NAME, BUILD_ID_LEN, |_| true);
+        // What begins near the end may go on in the next chunk.
+        let whole = if read == 0 { bytes.len() } else { bytes.len().saturating_sub(LONGEST) };
+        hasher.update(&bytes[..whole]);
+        bytes.drain(..whole);
+        if read == 0 {
+            return Some(hasher.finalize().to_hex().to_string());
+        }
+    }
 }
 
 /// Whether bytes are what a stamp holds after its name (programs have the name alone, too).
@@ -175,6 +195,19 @@ mod tests {
         assert_eq!(first, same);
         assert_ne!(first, edited);
         assert_eq!(digest_of(&folder.path().join("none")), None);
+        // Wherever in the file, as read in chunks.
+        for before in
+            [CHUNK - 2 * LONGEST, CHUNK - LONGEST, CHUNK - 40, CHUNK - 1, CHUNK, 2 * CHUNK - LONGEST - 9]
+        {
+            let code = vec![7; before];
+            let [first, same] = [(&id, ours), (&other_id, theirs)]
+                .map(|(id, stamp)| digest("long", &[&code, BUILD_ID_NAME, id, STAMP_NAME, stamp, b"data"]));
+            assert_eq!(first, same, "{before}");
+            let mut file = [&code, BUILD_ID_NAME, &id, STAMP_NAME, ours, b"data"].concat();
+            blank_after(&mut file, STAMP_NAME, STAMP_LEN - STAMP_NAME.len(), is_commit);
+            blank_after(&mut file, BUILD_ID_NAME, BUILD_ID_LEN, |_| true);
+            assert_eq!(first, store::hash_bytes(&file), "{before}");
+        }
         // A file that ends within a stamp.
         digest("short", &[STAMP_NAME, b"a"]);
     }

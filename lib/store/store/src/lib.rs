@@ -56,6 +56,7 @@ pub use manifest::{Failure, MadeBy, Manifest, Output, Redo};
 pub use memory::Memory;
 pub use objects::{Objects, hurry_when};
 pub use parallel::{Aside, aside, side_by_side};
+pub use place::check_place;
 pub use probe::{probe, remove_probes};
 pub use read::TableHead;
 pub use roster::{SceneKind, has_scenes, kind_names, scene_kinds, scenes_begun};

@@ -8,6 +8,15 @@ use percent_encoding::percent_decode_str;
 
 use crate::{Backend, Disk, Memory, StoreError, objects};
 
+/// Refuses what is written like a place and names none, without asking the place.
+///
+/// # Errors
+/// A URL that a slash lacks, no place, or a file.
+pub fn check_place(place: impl AsRef<OsStr>) -> Result<(), StoreError> {
+    let place = place.as_ref();
+    if place.to_str().is_some_and(|text| text.contains("://")) { Ok(()) } else { open(place).map(drop) }
+}
+
 /// The place of storage that a path or a URL names.
 pub(crate) fn open(place: &OsStr) -> Result<Arc<dyn Backend>, StoreError> {
     // A path that is no UTF-8 is no URL either.
