@@ -137,3 +137,26 @@ fn a_killed_stage_is_told_from_a_stopped_one() {
         assert_eq!(outcome.code, code, "{signal}: {outcome:?}");
     }
 }
+
+#[test]
+fn whoever_submits_changes_no_plan_that_is_there() {
+    let bench = Bench::new(&config());
+    let submit = || bench.run("convoy", &["submit", "--engine", "slurm", "--cores", "1", "--memory", "2"]);
+    let first = submit();
+    first.expect_done();
+    assert!(planned(&bench)["sections"].get("scene/0002").is_some(), "a new store is planned: {first:?}");
+    let before = bench.digests();
+    // Of a sensor, which the plan does not see, and of what it does.
+    for (key, other) in [("channels = 8", "channels = 4"), ("max_duration_s = 2", "max_duration_s = 3")] {
+        let text = config().replace(key, other);
+        assert_ne!(text, config(), "{key}");
+        bench.configure(&text);
+        let refused = submit();
+        assert!(refused.code == 2 && refused.stderr.contains("has a plan already"), "{refused:?}");
+        assert!(refused.stderr.contains("convoy run --stages plan --config"), "{refused:?}");
+        assert_eq!(bench.digests(), before, "nothing is touched");
+    }
+    bench.configure(&config());
+    submit().expect_done();
+    assert_eq!(bench.digests(), before);
+}

@@ -237,17 +237,20 @@ fn has_plan(
     let editions = runner::Editions::of_store(&store, settings, EditionWish::Known)?;
     let programs = Programs::of_build(stamp, None);
     let planner = Graph::get().planner();
-    match Status::new(&store, &editions, &programs).state(planner, Scope::Plan)? {
-        State::Done => Ok(true),
-        State::Missing | State::Failed(_) => Ok(false),
-        State::Stale(why) => {
-            let (place, config) = (place.display(), args.config.display());
-            Err(StageError::usage(format!(
-                "{place}: has a plan already, and {why}: see first what another one makes again, by `convoy run \
-                 --stages plan --config {config} --store {place}` (it asks, or wants --redo or --grow)"
-            )))
-        }
-    }
+    // Settings of sensors change no plan, but what is made by it.
+    let (changes, _) = editions.changes();
+    let why = match Status::new(&store, &editions, &programs).state(planner, Scope::Plan)? {
+        State::Missing | State::Failed(_) => return Ok(false),
+        State::Done if changes.is_empty() => return Ok(true),
+        State::Done => "the configuration changed".to_owned(),
+        State::Stale(why) => why.to_string(),
+    };
+    let changes: String = changes.iter().map(|change| format!("\n  changed: {change}")).collect();
+    let (place, config) = (place.display(), args.config.display());
+    Err(StageError::usage(format!(
+        "{place}: has a plan already, and {why}: see first what another one makes again, by `convoy run --stages \
+         plan --config {config} --store {place}` (it asks, or wants --redo or --grow){changes}"
+    )))
 }
 
 /// What the plan of a store will cost.

@@ -282,7 +282,7 @@ impl Editions {
     /// The keys that have other values than the store's record has, and whether there are any (or there is no
     /// record). An added edition changes nothing.
     #[must_use]
-    pub(crate) fn changes(&self) -> (Vec<KeyChange>, bool) {
+    pub fn changes(&self) -> (Vec<KeyChange>, bool) {
         let changes = self.recorded.iter().zip(&self.list).enumerate().flat_map(|(number, (old, new))| {
             let changes = key_changes(old, &written(new));
             let prefix = if self.list.len() > 1 { format!("edition {number}: ") } else { String::new() };

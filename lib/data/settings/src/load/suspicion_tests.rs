@@ -119,7 +119,10 @@ fn sensors_that_do_not_say_where_they_are_are_said() {
                   \"convoy/demo\" = 1\n[[groups.vehicle.lidars]]\nname = \"FRONT\"\n[[groups.vehicle.lidars]]\n\
                   name = \"BACK\"\nxyz_m = [-1, 0, 1]\n[[groups]]\nname = \"two\"\n[groups.scenes.train]\n\
                   \"convoy/demo\" = 1\n";
-    insta::assert_snapshot!(said(groups), @"");
+    insta::assert_snapshot!(said(groups), @r"
+    odd.toml:3: `vehicle.radars[0]` does not say where it is: it is at `xyz_m = [0.0, 1.0, 0.6]`
+    odd.toml:9: `groups[0].vehicle.lidars[0]` does not say where it is: it is at `xyz_m = [0.0, 0.0, 1.8]`
+    ");
 }
 
 #[test]
