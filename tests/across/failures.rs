@@ -180,7 +180,6 @@ fn one_bad_scene_leaves_the_others_alone() {
 
     // What is damaged is made again by the commands that are named.
     std::fs::remove_file(bench.store().join("scenes/0000/notes.txt")).expect("removes");
-    let good = bench.digests();
     let manifest =
         std::fs::read_to_string(bench.store().join("scenes/0001/_manifests/simulate-and-log.json"));
     let manifest: serde_json::Value = serde_json::from_str(&manifest.expect("is there")).expect("is JSON");
