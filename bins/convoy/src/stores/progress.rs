@@ -193,7 +193,7 @@ pub(super) fn watch<'a>(status: impl Fn() -> Status<'a>, every: Duration) -> Res
             return Ok(EXIT_DONE);
         }
         if let Some(failed) = standing.failed_at_the_end() {
-            say(&format!("all others are done, and so are the statistics: {failed} scenes failed"));
+            say(&format!("scenes that failed: {failed}; all others are done, and so are the statistics"));
             return Ok(EXIT_SOME_FAILED);
         }
         while now.elapsed() < every {
