@@ -312,7 +312,7 @@ bench: build
 bench-kernels:
 	$(CARGO) bench --locked -p convoy-opendrive -p convoy-world -p convoy-traffic -p convoy-render \
 		-p convoy-sensors -p convoy-codecs --benches
-	$(CARGO) bench --locked -p convoy-evaluation --bench scale
+	$(CARGO) bench --locked -p convoy-evaluation --bench many_boxes
 	$(CARGO) bench --locked -p convoy-tests --bench labels
 
 # What a bucket costs beside a disk, near and 20 ms away, and what tasks at once ask of it; needs s3s-fs.

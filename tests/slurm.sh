@@ -135,7 +135,7 @@ for way in "${ways[@]}"; do
         sleep 1
     done
     squeue
-    tail -n 3 "$work"/store-jobs/logs/join.log
+    tail -n 3 "$work"/store-jobs/logs/join-*.log
     grep -h "again\|requeue\|waits for" "$work"/store-jobs/logs/* | head -n 5 || true
     compare
     echo "one node was lost by its $way"

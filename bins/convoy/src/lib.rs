@@ -12,6 +12,7 @@ mod shell;
 mod stores;
 mod submit;
 mod suggestion;
+mod words;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

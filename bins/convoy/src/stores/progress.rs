@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::HumanDuration;
 use runner::{
-    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, Graph, StageError, State, Status, say, scene_stages,
+    EXIT_DONE, EXIT_SOME_FAILED, EXIT_TRY_AGAIN, Graph, Remembered, StageError, State, Status, say,
+    scene_stages,
 };
 use serde_json::{Value, json};
 use store::Scope;
@@ -32,12 +33,16 @@ pub(super) struct Standing {
 
 impl Standing {
     pub(super) fn of(status: &Status<'_>) -> Result<Self, StageError> {
+        Self::knowing(status, &mut Remembered::default())
+    }
+
+    fn knowing(status: &Status<'_>, remembered: &mut Remembered) -> Result<Self, StageError> {
         let plan = status.state(Graph::get().planner(), Scope::Plan)?;
         let mut scenes = BTreeMap::new();
-        let overview = runner::overview(status, |scene, states| {
+        let overview = runner::overview(status, remembered, |scene, states| {
             scenes.insert(scene, states.to_vec());
         })?;
-        let work = runner::planned_work(status)?;
+        let work = remembered.work(status)?;
         let (mut done_s, mut left_s) = (0.0, 0.0);
         for (scene, states) in &scenes {
             for (stage, state) in scene_stages().zip(states) {
@@ -169,12 +174,13 @@ pub(super) fn tell_json(status: &Status<'_>) -> Result<bool, StageError> {
 }
 
 /// Prints how the store stands again and again, until all is done but what failed, or a signal comes; the
-/// exit code.
+/// exit code. A scene that was done is not looked at again while the plan stays.
 pub(super) fn watch<'a>(status: impl Fn() -> Status<'a>, every: Duration) -> Result<u8, StageError> {
     runner::listen_for_signals();
     let mut past: VecDeque<(Instant, f64)> = VecDeque::new();
+    let mut remembered = Remembered::default();
     loop {
-        let standing = Standing::of(&status())?;
+        let standing = Standing::knowing(&status(), &mut remembered)?;
         let now = Instant::now();
         past.push_back((now, standing.done_s));
         while past.len() > 2 && past.front().is_some_and(|(at, _)| now.duration_since(*at) > RATE_OVER) {

@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use runner::{
-    EXIT_USAGE, EditionWish, Editions, Foresight, Graph, Programs, SceneList, StageError, StageSpec, State,
-    StateError, Status, Suspicious, UnitKind, say, settings_or_faults,
+    EXIT_USAGE, EditionWish, Editions, Foresight, Graph, Programs, Remembered, SceneList, StageError,
+    StageSpec, State, StateError, Status, Suspicious, UnitKind, say, settings_or_faults,
 };
 use settings::DatasetSettings;
 use store::{SceneKind, Scope, Store};
@@ -75,7 +75,7 @@ fn table(
     for (_, line) in foresight.lines() {
         say(&format!("the next run makes again {line}"));
     }
-    foresight.changed().for_each(|line| say(&line));
+    foresight.changed().iter().for_each(|line| say(line));
     Ok(all_done)
 }
 
@@ -123,7 +123,7 @@ fn status_table(
     let editions = editions.filter(several);
     let kinds = if editions.is_some() { "  edition and group" } else { "" };
     say(&format!("scene {}{kinds}", header.join(" ")));
-    let overview = runner::overview(status, |scene, states| {
+    let overview = runner::overview(status, &mut Remembered::default(), |scene, states| {
         if only.is_some_and(|list| !list.contains(scene)) {
             return;
         }

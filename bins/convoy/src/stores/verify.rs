@@ -11,6 +11,7 @@ use schema::tables::ValidBoxRow;
 use store::{Finding, Problem, Scope, Store};
 
 use super::status::is_imported;
+use crate::words::quoted;
 
 /// Every stage of every scene of the plan.
 fn all_stages(store: &Store) -> Result<Vec<(Scope, &'static StageSpec)>, store::StoreError> {
@@ -38,7 +39,7 @@ fn cures(place: &Path, stages: &[(Scope, &str)], findings: &[Finding]) -> Vec<St
     let of_shards = findings.iter().filter(|finding| is_of_shard(&finding.problem));
     let manifests: BTreeSet<&str> = of_shards.filter_map(|finding| finding.manifest.as_deref()).collect();
     let is_faulty = |scope: &Scope, stage: &str| manifests.contains(&*scope.manifest(stage));
-    let place = place.display();
+    let place = quoted(place);
     let of_stage = |stage: &StageSpec| {
         let of_it = stages.iter().filter(|(scope, name)| *name == stage.name && is_faulty(scope, name));
         let scopes: Vec<Scope> = of_it.map(|(scope, _)| *scope).collect();

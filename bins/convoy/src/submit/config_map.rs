@@ -2,8 +2,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::words::word;
 use super::yaml;
+use crate::words::word;
 
 /// A ConfigMap takes no more (1 MiB).
 const MOST_BYTES: usize = 1 << 20;

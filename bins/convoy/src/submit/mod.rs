@@ -9,7 +9,6 @@ mod size;
 mod slurm;
 mod storage;
 mod there;
-mod words;
 mod yaml;
 
 use std::collections::BTreeMap;
@@ -22,7 +21,7 @@ use runner::{
     EXIT_DONE, EXIT_SOME_FAILED, EXIT_USAGE, EditionWish, Graph, PlannedWork, Programs, STAMP_LEN,
     StageError, State, Status, Suspicious, say, settings_or_faults,
 };
-use settings::DatasetSettings;
+use settings::{DatasetSettings, change_lines};
 use store::{Scope, Store, StoreError};
 
 pub(crate) use self::args::SubmitArgs;
@@ -35,6 +34,7 @@ use self::size::{Limits, Most, Size};
 use self::slurm::Cluster;
 use self::storage::Storage;
 use crate::stores::{run_program, stage_program};
+use crate::words::quoted;
 
 /// Most tasks of an array where nobody says: one less than Slurm's own `MaxArraySize`.
 const LARGEST_ARRAY: u32 = 1000;
@@ -245,8 +245,8 @@ fn has_plan(
         State::Done => "the configuration changed".to_owned(),
         State::Stale(why) => why.to_string(),
     };
-    let changes: String = changes.iter().map(|change| format!("\n  changed: {change}")).collect();
-    let (place, config) = (place.display(), args.config.display());
+    let changes: String = change_lines(&changes).iter().map(|line| format!("\n  {line}")).collect();
+    let (place, config) = (quoted(place), quoted(&args.config));
     Err(StageError::usage(format!(
         "{place}: has a plan already, and {why}: see first what another one makes again, by `convoy run --stages \
          plan --config {config} --store {place}` (it asks, or wants --redo or --grow){changes}"

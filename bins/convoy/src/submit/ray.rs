@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::groups::Split;
-use super::words::quoted;
+use crate::words::quoted;
 
 /// What Ray calls a GPU.
 const GPU: &str = "GPU";

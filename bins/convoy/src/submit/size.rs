@@ -139,9 +139,9 @@ impl Size {
         let Self { tasks, cores, scenes, all_s, task_s, scene_s } = self;
         vec![
             format!(
-                "{}, about {:.1} core-hours at the speed of this machine, {}",
+                "{}, about {} at the speed of this machine, {}",
                 counted(*scenes, "scene"),
-                all_s / 3600.0,
+                core_time(*all_s),
                 DecimalBytes(bytes.round() as u64)
             ),
             format!(
@@ -152,6 +152,14 @@ impl Size {
                 minutes_of(*scene_s)
             ),
         ]
+    }
+}
+
+/// Seconds of one core as core-hours, or as core-minutes where these are few.
+fn core_time(seconds: f64) -> String {
+    match seconds < 3600.0 {
+        true => format!("{} core-minutes", (seconds / 60.0).ceil()),
+        false => format!("{:.1} core-hours", seconds / 3600.0),
     }
 }
 
@@ -187,6 +195,16 @@ mod tests {
         assert_eq!(Size::choose(&published, Some(64), LIMITS).expect("fits").tasks, 64);
         assert_eq!(Size::choose(&scenes(&[0.1, 0.1]), Some(64), LIMITS).expect("fits").tasks, 2);
         assert_eq!(Size::choose(&scenes(&[0.1, 0.1]), None, LIMITS).expect("fits").tasks, 1);
+    }
+
+    #[test]
+    fn little_work_is_told_in_minutes() {
+        let told = |hours: &[f64]| {
+            Size::choose(&scenes(hours), None, LIMITS).expect("fits").lines(2e9).swap_remove(0)
+        };
+        let rest = "at the speed of this machine, 2.00 GB";
+        assert_eq!(told(&[0.02, 0.02]), format!("2 scenes, about 3 core-minutes {rest}"));
+        assert_eq!(told(&[1.8]), format!("1 scene, about 1.8 core-hours {rest}"));
     }
 
     #[test]

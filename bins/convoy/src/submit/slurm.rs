@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::groups::{Group, Split, groups_of};
-use super::words::{quoted, word};
+use crate::words::{quoted, word};
 
 /// A job that could not end is tried again five times; one whose node was lost Slurm requeues without limit.
 const TRIED_ENOUGH: &str = r#"restarts=${SLURM_RESTART_COUNT:-0}
@@ -83,7 +83,7 @@ impl Cluster {
             "--time=60".to_owned(),
             "--requeue".to_owned(),
             "--open-mode=append".to_owned(),
-            self.log(&format!("{name}.log")),
+            self.log(&format!("{name}-%j.log")),
         ]
     }
 
@@ -112,7 +112,7 @@ impl Cluster {
             "--signal=B:TERM@120".into(),
             "--requeue".into(),
             "--open-mode=append".into(),
-            self.log(&format!("{}-%a.log", group.name())),
+            self.log(&format!("{}-%A-%a.log", group.name())),
         ];
         format!(
             r#"{header}# A requeued task goes on where it was: what is finished is kept.

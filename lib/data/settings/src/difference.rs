@@ -15,6 +15,8 @@ const PLACES: [(&str, &str); 5] = [
 ];
 /// Values are told with at most so many characters.
 const MOST_CHARS: usize = 48;
+/// So many changes are told one by one.
+const MOST_LINES: usize = 12;
 
 /// A key that has another value in another configuration.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +42,14 @@ fn told(value: Option<&Value>) -> String {
         return text;
     }
     text.chars().take(MOST_CHARS - 3).chain("...".chars()).collect()
+}
+
+/// Changes as lines for people, `changed: KEY: OLD -> NEW`; of many, how many more there are.
+#[must_use]
+pub fn change_lines(changes: &[KeyChange]) -> Vec<String> {
+    let lines = changes.iter().take(MOST_LINES).map(|change| format!("changed: {change}"));
+    let more = changes.len().saturating_sub(MOST_LINES);
+    lines.chain((more > 0).then(|| format!("and {more} more keys"))).collect()
 }
 
 /// The keys that have another value in another resolved configuration (`config` of `dataset.json`), in the
@@ -200,6 +210,16 @@ mod tests {
             more[0].starts_with("vehicle.lidars[ROOF]: none -> {") && more[0].ends_with("..."),
             "{more:?}"
         );
+    }
+
+    #[test]
+    fn of_many_changes_the_first_are_told() {
+        let numbers =
+            |from: u32| json!((0..20).map(|i| (format!("k{i:02}"), from + i)).collect::<BTreeMap<_, _>>());
+        let lines = change_lines(&key_changes(&numbers(0), &numbers(1)));
+        assert_eq!(lines.len(), 13, "{lines:?}");
+        assert_eq!([&*lines[0], &*lines[12]], ["changed: k00: 0 -> 1", "and 8 more keys"]);
+        assert_eq!(change_lines(&key_changes(&json!({"a": 1}), &json!({"a": 2}))), ["changed: a: 1 -> 2"]);
     }
 
     #[test]

@@ -55,7 +55,7 @@ pub use camera::{CameraSettings, CameraSpec};
 pub use card::CardSettings;
 pub use config_key::{Absent, ConfigKey, Kind};
 pub use dataset::{DatasetSettings, config_keys};
-pub use difference::{KeyChange, key_changes};
+pub use difference::{KeyChange, change_lines, key_changes};
 pub use document::Fault;
 pub use groups::Group;
 pub use hazards::HazardSettings;

@@ -6,7 +6,7 @@ use std::fmt;
 
 use indicatif::DecimalBytes;
 use schema::AgentId;
-use settings::KeyChange;
+use settings::{KeyChange, change_lines};
 use store::{Manifest, Output, Scope};
 
 use crate::costs::Costs;
@@ -123,8 +123,9 @@ impl Foresight {
     }
 
     /// The keys that have other values than those that the store was made with, for people.
-    pub fn changed(&self) -> impl Iterator<Item = String> {
-        self.changes.iter().map(|change| format!("changed: {change}"))
+    #[must_use]
+    pub fn changed(&self) -> Vec<String> {
+        change_lines(&self.changes)
     }
 
     /// The scenes that the plan has not yet, for people.

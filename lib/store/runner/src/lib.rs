@@ -53,7 +53,7 @@ pub use interrupt::{listen as listen_for_signals, stopped as was_stopped, stops_
 pub use lock::{hold_alone, hold_for_all_stages};
 pub use options::{DeviceOptions, ProgressMode, SceneList, Shard, StageOptions};
 pub use output_file::OutputFile;
-pub use overview::{Overview, overview};
+pub use overview::{Overview, Remembered, overview};
 pub use prepared::Prepared;
 pub use programs::{Programs, STAMP_LEN, release};
 pub use progress::Progress;

@@ -1,6 +1,11 @@
 //! A whole store, each scene looked at once.
 
-use store::Scope;
+use std::collections::BTreeMap;
+
+use store::{Scope, StoreError};
+
+use crate::costs::PlannedWork;
+use crate::error::StageError;
 
 use crate::foresight::{Foreseer, Foresight, Intent};
 use crate::graph::{Graph, StageSpec, UnitKind};
@@ -20,12 +25,51 @@ pub struct Overview {
     pub foresight: Foresight,
 }
 
+/// What one look at a store leaves for the next: its plan, and what scenes that are done hold. It is
+/// forgotten when there is another plan.
+#[derive(Debug, Default)]
+pub struct Remembered {
+    /// Digest of the plan's manifest.
+    plan: String,
+    work: Option<PlannedWork>,
+    /// Digests that each of the statistics reads of a scene all of whose stages are done.
+    done: BTreeMap<u32, Vec<BTreeMap<String, String>>>,
+}
+
+impl Remembered {
+    fn by_plan(&mut self, status: &Status<'_>) -> Result<(), StoreError> {
+        let plan = status.plan()?;
+        if self.plan != plan.digest() {
+            *self = Self { plan: plan.digest().to_owned(), ..Self::default() };
+        }
+        Ok(())
+    }
+
+    /// The work of each scene of the plan, as [`planned_work`](crate::planned_work) tells it.
+    ///
+    /// # Errors
+    /// The plan's tables cannot be read.
+    pub fn work(&mut self, status: &Status<'_>) -> Result<&PlannedWork, StageError> {
+        self.by_plan(status)?;
+        let work = match self.work.take() {
+            Some(work) => work,
+            None => crate::planned_work(status)?,
+        };
+        Ok(self.work.insert(work))
+    }
+}
+
 /// Looks at all scenes of the plan and tells the states of each one's stages, in running order, scene by
-/// scene.
+/// scene. Scenes that are remembered as done are not looked at.
 ///
 /// # Errors
 /// The store cannot be read.
-pub fn overview(status: &Status<'_>, mut tell: impl FnMut(u32, &[State])) -> Result<Overview, StateError> {
+pub fn overview(
+    status: &Status<'_>,
+    remembered: &mut Remembered,
+    mut tell: impl FnMut(u32, &[State]),
+) -> Result<Overview, StateError> {
+    remembered.by_plan(status)?;
     let scenes = status.planned_scenes()?;
     let intent = Intent::to_run_all(status.clone());
     let foreseer = status.editions().map(|editions| Foreseer::new(&intent, editions)).transpose()?.flatten();
@@ -34,6 +78,10 @@ pub fn overview(status: &Status<'_>, mut tell: impl FnMut(u32, &[State])) -> Res
     let mut found = Vec::new();
     for some in scenes.as_deref().unwrap_or_default().chunks(AT_ONCE) {
         let looked = status.side_by_side(some, |&scene| {
+            if let Some(digests) = remembered.done.get(&scene) {
+                let states = scene_stages().map(|_| State::Done).collect();
+                return Ok((scene, states, digests.clone(), Vec::new()));
+            }
             let survey = status.survey(Scope::Scene(scene));
             let states = scene_stages().map(|stage| survey.state(stage)).collect::<Result<Vec<_>, _>>()?;
             let digests = statistics().map(|stage| survey.digests_for(stage, scene));
@@ -43,6 +91,9 @@ pub fn overview(status: &Status<'_>, mut tell: impl FnMut(u32, &[State])) -> Res
         })?;
         for (scene, states, digests, of_scene) in looked {
             tell(scene, &states);
+            if states.iter().all(|state| *state == State::Done) {
+                remembered.done.entry(scene).or_insert_with(|| digests.clone());
+            }
             inputs.iter_mut().zip(digests).for_each(|(inputs, digests)| inputs.digests.extend(digests));
             found.push((scene, of_scene));
         }

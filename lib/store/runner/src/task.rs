@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use settings::DatasetSettings;
+use settings::{DatasetSettings, change_lines};
 use store::{Manifest, Scope, Store};
 
 use crate::agreement::{Terms, agree};
@@ -126,7 +126,7 @@ fn is_planned_by(plan: &Manifest, status: &Status<'_>, editions: &Editions) -> R
         Ok::<_, StageError>(hash.is_some_and(|hash| plan.config_hash != hash))
     };
     let changed: Vec<String> =
-        editions.changes().0.iter().map(|change| format!("\n  changed: {change}")).collect();
+        change_lines(&editions.changes().0).iter().map(|line| format!("\n  {line}")).collect();
     if !is_imported(plan) && (!changed.is_empty() || is_another()?) {
         return Err(StageError::usage(format!(
             "the plan was made from another configuration: run convoy run --stages plan first{}",

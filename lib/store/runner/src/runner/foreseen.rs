@@ -141,7 +141,7 @@ impl<S: StageSettings> Run<'_, S> {
         if let Some(added) = foresight.added() {
             say(&format!("would add {added}"));
         }
-        foresight.changed().for_each(|line| say(&line));
+        foresight.changed().iter().for_each(|line| say(line));
         for Looked { scope, state, .. } in looked {
             let verb = if *state == State::Done && !self.force { "would keep" } else { "would run" };
             say(&format!("{verb} {} ({state})", self.label(*scope)));

@@ -17,28 +17,30 @@ use crate::views::example_settings;
 
 /// A store in which three scenes are planned and simulated.
 fn simulated(store: &Store, settings: &DatasetSettings) {
-    let commit = |name: &str, scope: Scope| {
-        let spec = Graph::get().stage(name).expect("is a stage");
-        let programs = Programs::given(Some("c"), &[]);
-        let editions = Editions::only(settings);
-        let status = Status::new(store, &editions, &programs);
-        let ready = status.survey(scope).inputs(spec).expect("reads").expect("is ready");
-        let identity = Identity {
-            stage: name.into(),
-            scope,
-            code_version: crate::code_version(name).into(),
-            config_hash: config_hash(spec, &editions, scope).expect("is a view"),
-            inputs: ready.digests,
-            made_by: None,
-        };
-        let mut attempt = Attempt::start(store, identity, false).expect("starts");
-        if scope == Scope::Plan {
-            (0..3).for_each(|scene| attempt.section(&plan_section(scene), format!("plan of {scene}")));
-        }
-        attempt.commit().expect("commits");
+    finished(store, settings, "spawn-planner", Scope::Plan);
+    (0..3).for_each(|scene| finished(store, settings, "simulate-and-log", Scope::Scene(scene)));
+}
+
+/// Finishes a stage that writes nothing.
+fn finished(store: &Store, settings: &DatasetSettings, name: &str, scope: Scope) {
+    let spec = Graph::get().stage(name).expect("is a stage");
+    let programs = Programs::given(Some("c"), &[]);
+    let editions = Editions::only(settings);
+    let status = Status::new(store, &editions, &programs);
+    let ready = status.survey(scope).inputs(spec).expect("reads").expect("is ready");
+    let identity = Identity {
+        stage: name.into(),
+        scope,
+        code_version: crate::code_version(name).into(),
+        config_hash: config_hash(spec, &editions, scope).expect("is a view"),
+        inputs: ready.digests,
+        made_by: None,
     };
-    commit("spawn-planner", Scope::Plan);
-    (0..3).for_each(|scene| commit("simulate-and-log", Scope::Scene(scene)));
+    let mut attempt = Attempt::start(store, identity, false).expect("starts");
+    if scope == Scope::Plan {
+        (0..3).for_each(|scene| attempt.section(&plan_section(scene), format!("plan of {scene}")));
+    }
+    attempt.commit().expect("commits");
 }
 
 fn run_of<'a>(

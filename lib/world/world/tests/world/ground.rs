@@ -1,7 +1,7 @@
 //! What lies on the ground of a town: water, rails, islands, junctions.
 #![allow(clippy::unwrap_used, reason = "tests may stop")]
 
-use crate::common::{around, bare, column, empty_moment, from_above, named};
+use crate::common::{Columns, around, bare, empty_moment, from_above, named};
 use frames::{Object, Pose, World};
 use nalgebra::Point3;
 use opendrive::{JunctionInfo, LaneInfo, LaneType, Map};
@@ -24,7 +24,8 @@ fn rivers_lie_under_bridges() {
         hits.iter().filter(|(_, t)| *t == tag).map(|(z, _)| *z).collect()
     };
 
-    let hits = column(&snapshot, middle.x, middle.y);
+    let columns = Columns::new(&snapshot);
+    let hits = columns.at(middle.x, middle.y);
     assert!(heights(&hits, Tag::Road).iter().any(|z| (z - middle.z).abs() < 0.02), "{hits:?}");
     assert!(heights(&hits, Tag::Water).iter().any(|z| (z - water_m).abs() < 0.01), "{hits:?}");
     assert!(heights(&hits, Tag::Terrain).iter().all(|z| *z < water_m), "{hits:?}");
@@ -33,9 +34,8 @@ fn rivers_lie_under_bridges() {
 
     // Beside the bridge there is water, and nothing over it.
     let beside = at(bridge.s + 0.5 * bridge.length_m, 20.0);
-    let hits = column(&snapshot, beside.x, beside.y);
-    let top = hits.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
-    assert_eq!(top.1, Tag::Water, "{hits:?}");
+    let hits = columns.at(beside.x, beside.y);
+    assert_eq!(columns.top(beside.x, beside.y).1, Tag::Water, "{hits:?}");
     // The shore follows the outline, and nothing stands in the water.
     let ring: Vec<Point3<f64>> = river.outlines[0].base.clone();
     let mut tested = 0;
@@ -48,7 +48,7 @@ fn rivers_lie_under_bridges() {
         }
         let tops = [-1.2, 1.2].map(|aside| {
             let p = edge + left * aside;
-            column(&snapshot, p.x, p.y).into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+            columns.top(p.x, p.y)
         });
         if tops.iter().all(|(_, t)| matches!(t, Tag::Water | Tag::Terrain)) {
             tested += 1;
@@ -59,7 +59,7 @@ fn rivers_lie_under_bridges() {
         }
     }
     assert!(tested > 10, "only {tested} places on the shore");
-    let wet = |x: f64, y: f64| column(&snapshot, x, y).iter().any(|(_, t)| *t == Tag::Water);
+    let wet = |x: f64, y: f64| columns.at(x, y).iter().any(|(_, t)| *t == Tag::Water);
     for thing in actors.iter().filter(|a| a.kind != ActorKind::Surface && a.kind != ActorKind::Sign) {
         let pose = Pose::<World, Object>::from_xyz_wxyz(thing.xyz_m, thing.quaternion);
         let share = if thing.kind == ActorKind::Building { 0.5 } else { 0.0 };
@@ -86,10 +86,8 @@ fn rails_lie_on_their_beds_and_in_level_crossings() {
     let (actors, world) = around(&map, centre.coords.into());
     let frame = FrameRow::default();
     let snapshot = world.snapshot(&empty_moment(&frame), centre.coords.into(), 400.0);
-    let top = |p: Point3<f64>| {
-        let hits = column(&snapshot, p.x, p.y);
-        hits.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
-    };
+    let columns = Columns::new(&snapshot);
+    let top = |p: Point3<f64>| columns.top(p.x, p.y);
     // Half of 1505 mm to either side of the middle.
     for side in [-0.7525, 0.7525] {
         let rail = middle(crossing, side);

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::common::{column, demo, empty_moment, named, place, rules, start};
+use crate::common::{Columns, demo, empty_moment, named, place, rules, start};
 use frames::{Object, Pose, World};
 use land::surfaces::{Atlas, Region};
 use land::tiles::Surroundings;
@@ -54,6 +54,7 @@ fn check_town(map: &Map, name: &str) {
     let world = SceneWorld::new(&actors, ground).unwrap();
     let frame = FrameRow::default();
     let snapshot = world.snapshot(&empty_moment(&frame), centre, 400.0);
+    let columns = Columns::new(&snapshot);
     // What scenery is placed by is what is drawn.
     let low = [0, 1].map(|k| (centre[k] / 16.0).floor() * 16.0);
     let atlas = Atlas::new(map);
@@ -72,7 +73,7 @@ fn check_town(map: &Map, name: &str) {
             continue;
         }
         tested += 1;
-        let hits = column(&snapshot, point.x, point.y);
+        let hits = columns.at(point.x, point.y);
         let road = |t: Tag| matches!(t, Tag::Road | Tag::RoadLine);
         assert!(
             hits.iter().any(|(z, t)| road(*t) && (z - point.z).abs() < 0.02),

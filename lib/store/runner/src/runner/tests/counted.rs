@@ -7,7 +7,8 @@ use std::time::SystemTime;
 use store::{Area, Listing, Shard, Sink, StoreError, Unfinished};
 
 use super::*;
-use crate::overview::overview;
+use crate::overview::{Remembered, overview};
+use crate::survey::scene_stages;
 
 /// A place that counts requests, by kind and key.
 #[derive(Default)]
@@ -93,8 +94,10 @@ fn a_scene_is_listed_once_and_each_manifest_is_read_once() {
     let editions = Editions::only(&settings);
     let status = Status::new(&store, &editions, &COMMITTED);
     let mut done = 0;
-    overview(&status, |_, states| done += states.iter().filter(|state| **state == State::Done).count())
-        .expect("is told");
+    overview(&status, &mut Remembered::default(), |_, states| {
+        done += states.iter().filter(|state| **state == State::Done).count()
+    })
+    .expect("is told");
     assert_eq!(done, 6, "logs and masks");
     let expected: Vec<String> = ["list scenes/0000", "list scenes/0001", "list scenes/0002"]
         .into_iter()
@@ -109,6 +112,44 @@ fn a_scene_is_listed_once_and_each_manifest_is_read_once() {
     // Statistics were never made.
     asked.retain(|request| request != "list stats");
     assert_eq!(asked, expected);
+}
+
+#[test]
+fn a_scene_that_was_done_is_not_looked_at_again_by_one_plan() {
+    let (counting, store, settings) = made();
+    for stage in scene_stages().filter(|stage| !["simulate-and-log", "bev-gt"].contains(&stage.name)) {
+        // Two scenes have all their stages.
+        for scene in [0, 2] {
+            finished(&store, &settings, stage.name, Scope::Scene(scene));
+        }
+    }
+    let editions = Editions::only(&settings);
+    let mut remembered = Remembered::default();
+    let mut look = || {
+        let mut told = Vec::new();
+        let status = Status::new(&store, &editions, &COMMITTED);
+        let done = |states: &[State]| states.iter().filter(|state| **state == State::Done).count();
+        let seen = overview(&status, &mut remembered, |scene, states| told.push((scene, done(states))));
+        let stats = seen.expect("is told").stats.into_iter().map(|(stage, state)| (stage.name, state));
+        (told, stats.collect::<Vec<_>>())
+    };
+    let all = scene_stages().count();
+    counting.take();
+    let first = look();
+    assert_eq!(first.0, [(0, all), (1, 2), (2, all)]);
+    counting.take();
+    assert_eq!(look(), first);
+    let lists = |requests: &BTreeMap<(&'static str, String), u32>| {
+        let scenes = requests.keys().filter(|(kind, key)| *kind == "list" && key.starts_with("scenes/"));
+        scenes.map(|(_, key)| key.clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(lists(&counting.take()), ["scenes/0001"]);
+    let plan = store.manifest(Scope::Plan, "spawn-planner").expect("reads").expect("stands");
+    let other = Manifest { inputs: BTreeMap::from([("map".into(), "other".into())]), ..plan.clone() };
+    store.replace_manifest(Scope::Plan, &plan, &other).expect("replaces");
+    counting.take();
+    look();
+    assert_eq!(lists(&counting.take()).len(), 3, "another plan: all are looked at");
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Worlds of towns for tests, and readers of their triangles that share nothing with the crate.
 #![expect(clippy::unwrap_used, reason = "helpers of tests: a town of ours that cannot be built fails them")]
 
+use std::collections::HashMap;
+
 use glam::Vec3;
 use land::tiles::{Surroundings, TileMaker};
 use nalgebra::Point3;
@@ -38,34 +40,70 @@ pub(crate) fn empty_moment(frame: &FrameRow) -> Moment<'_> {
     Moment { states: &[], previous: &[], signals: &[], frame }
 }
 
-/// Heights and tags of everything on a vertical line, by brute force.
-pub(crate) fn column(snapshot: &Snapshot, x: f64, y: f64) -> Vec<(f64, Tag)> {
-    let p = snapshot.origin.local_from_world([x, y, 0.0]);
-    let base = snapshot.origin.world_xyz()[2];
-    let mut hits = Vec::new();
-    for instance in &snapshot.instances {
-        let mesh = snapshot.mesh(instance);
-        let bounds = frames::Aabb::from_points(
-            &mesh.aabb().corners().map(|c| instance.local_from_object.transform_point3(c)),
-        );
-        if p.x < bounds.min.x || p.x > bounds.max.x || p.y < bounds.min.y || p.y > bounds.max.y {
-            continue;
-        }
-        for i in 0..mesh.triangles.len() {
-            let [a, b, c] = mesh.corners(i).map(|v| instance.local_from_object.transform_point3(v));
-            let det = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-            if det.abs() < 1e-9 {
-                continue;
+/// Everything on vertical lines. Each is tried on all triangles that reach its cell.
+pub(crate) struct Columns<'a> {
+    snapshot: &'a Snapshot,
+    /// Triangles as instance and number, by the cell that their bounds overlap; of large ones that is asked
+    /// each time.
+    cells: HashMap<[i32; 2], Vec<[u32; 2]>>,
+    large: Vec<[u32; 2]>,
+}
+
+impl<'a> Columns<'a> {
+    const CELL_M: f32 = 2.0;
+    /// More than so many cells are large.
+    const MOST_CELLS: i32 = 400;
+
+    pub(crate) fn new(snapshot: &'a Snapshot) -> Self {
+        let mut columns = Self { snapshot, cells: HashMap::new(), large: Vec::new() };
+        for (number, instance) in (0..).zip(&snapshot.instances) {
+            for triangle in 0..snapshot.mesh(instance).triangles.len() {
+                let at = [number, triangle as u32];
+                let [a, b, c] = columns.corners(at);
+                // Wider by what a line may miss a triangle by.
+                let low = ((a.min(b).min(c) - 0.01) / Self::CELL_M).floor().as_ivec3();
+                let high = ((a.max(b).max(c) + 0.01) / Self::CELL_M).floor().as_ivec3();
+                if (high.x - low.x + 1) * (high.y - low.y + 1) > Self::MOST_CELLS {
+                    columns.large.push(at);
+                    continue;
+                }
+                for cell in (low.x..=high.x).flat_map(|x| (low.y..=high.y).map(move |y| [x, y])) {
+                    columns.cells.entry(cell).or_default().push(at);
+                }
             }
+        }
+        columns
+    }
+
+    fn corners(&self, [instance, triangle]: [u32; 2]) -> [Vec3; 3] {
+        let instance = &self.snapshot.instances[instance as usize];
+        let corners = self.snapshot.mesh(instance).corners(triangle as usize);
+        corners.map(|v| instance.local_from_object.transform_point3(v))
+    }
+
+    /// Heights and tags of everything at a place.
+    pub(crate) fn at(&self, x: f64, y: f64) -> Vec<(f64, Tag)> {
+        let p = self.snapshot.origin.local_from_world([x, y, 0.0]);
+        let base = self.snapshot.origin.world_xyz()[2];
+        let cell = [p.x, p.y].map(|v| (v / Self::CELL_M).floor() as i32);
+        let hit = |at: &[u32; 2]| {
+            let [a, b, c] = self.corners(*at);
+            let det = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
             let u = ((p.x - a.x) * (c.y - a.y) - (c.x - a.x) * (p.y - a.y)) / det;
             let v = ((b.x - a.x) * (p.y - a.y) - (p.x - a.x) * (b.y - a.y)) / det;
-            if u >= -1e-4 && v >= -1e-4 && u + v <= 1.0001 {
-                let z: Vec3 = a + (b - a) * u + (c - a) * v;
-                hits.push((f64::from(z.z) + base, mesh.part(i).tag));
-            }
-        }
+            (det.abs() >= 1e-9 && u >= -1e-4 && v >= -1e-4 && u + v <= 1.0001).then(|| {
+                let z = a.z + (b.z - a.z) * u + (c.z - a.z) * v;
+                let mesh = self.snapshot.mesh(&self.snapshot.instances[at[0] as usize]);
+                (f64::from(z) + base, mesh.part(at[1] as usize).tag)
+            })
+        };
+        self.cells.get(&cell).into_iter().flatten().chain(&self.large).filter_map(hit).collect()
     }
-    hits
+
+    /// What is highest at a place.
+    pub(crate) fn top(&self, x: f64, y: f64) -> (f64, Tag) {
+        self.at(x, y).into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+    }
 }
 
 /// The world around a place of a generated town.
@@ -77,7 +115,7 @@ pub(crate) fn around(map: &Map, centre: [f64; 3]) -> (Vec<ActorRow>, SceneWorld)
 
 /// The surfaces within some 100 m around a place, without anything on them.
 pub(crate) fn bare(map: &Map, centre: [f64; 3]) -> SceneWorld {
-    let rules = SceneryRules { building_density: 0.0, tree_density: 0.0, ..rules() };
+    let rules = SceneryRules { density: 0.0, building_density: 0.0, tree_density: 0.0, ..rules() };
     let Surroundings { mut actors, ground } = place(map, &rules, centre, 10);
     actors.retain(|a| a.kind == ActorKind::Surface);
     SceneWorld::new(&actors, ground).unwrap()

@@ -1,6 +1,6 @@
 //! How long predictions of 100,000 frames take, with reading:
-//! `cargo bench -p convoy-evaluation --bench scale [-- THREADS]`. The store and the file of predictions are
-//! made up first, in a temporary folder.
+//! `cargo bench -p convoy-evaluation --bench many_boxes [-- THREADS]`. The store and the file of predictions
+//! are made up first, in a temporary folder.
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// A path as a word of a shell.
-pub(super) fn quoted(path: &Path) -> String {
+pub(crate) fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:,@%=".contains(c);
     match !text.is_empty() && text.chars().all(is_plain) {
@@ -13,7 +13,7 @@ pub(super) fn quoted(path: &Path) -> String {
 }
 
 /// A name without what the name of a job or a file cannot have.
-pub(super) fn word(text: &str) -> String {
+pub(crate) fn word(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_alphanumeric() || "._-".contains(c) { c } else { '_' }).collect()
 }
 
