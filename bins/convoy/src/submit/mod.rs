@@ -112,7 +112,7 @@ fn submit(args: &SubmitArgs, stamp: &[u8; STAMP_LEN]) -> Result<u8, StageError> 
     }
     let script = folder.join("submit.sh");
     if !args.submit {
-        say(&format!("written: {0} (start it by: bash {0})", script.display()));
+        say(&format!("written: {} (start it by: bash {})", script.display(), quoted(&script)));
         return Ok(EXIT_DONE);
     }
     match Command::new("bash").arg(&script).status() {

@@ -158,7 +158,7 @@ impl Size {
 /// Seconds of one core as core-hours, or as core-minutes where these are few.
 fn core_time(seconds: f64) -> String {
     match seconds < 3600.0 {
-        true => format!("{} core-minutes", (seconds / 60.0).ceil()),
+        true => counted((seconds / 60.0).ceil() as u32, "core-minute"),
         false => format!("{:.1} core-hours", seconds / 3600.0),
     }
 }
@@ -204,6 +204,7 @@ mod tests {
         };
         let rest = "at the speed of this machine, 2.00 GB";
         assert_eq!(told(&[0.02, 0.02]), format!("2 scenes, about 3 core-minutes {rest}"));
+        assert_eq!(told(&[0.01]), format!("1 scene, about 1 core-minute {rest}"));
         assert_eq!(told(&[1.8]), format!("1 scene, about 1.8 core-hours {rest}"));
     }
 
