@@ -43,9 +43,9 @@ pub(crate) fn empty_moment(frame: &FrameRow) -> Moment<'_> {
 /// Everything on vertical lines. Each is tried on all triangles that reach its cell.
 pub(crate) struct Columns<'a> {
     snapshot: &'a Snapshot,
-    /// Triangles as instance and number, by the cell that their bounds overlap; of large ones that is asked
-    /// each time.
+    /// Triangles as instance and number, by the cells that their bounds overlap.
     cells: HashMap<[i32; 2], Vec<[u32; 2]>>,
+    /// Triangles of many cells: each line is tried on all of them.
     large: Vec<[u32; 2]>,
 }
 
