@@ -174,6 +174,22 @@ class Words(unittest.TestCase):
             self.assertEqual(driver.main(["--store", "/scratch/rain"]), 2)
         self.assertEqual(said.getvalue(), "convoy.ray: Ray is not installed: pip install ray\n")
 
+    def test_a_token_is_shown_where_there_is_one(self):
+        def shown(file, **variables):
+            with tempfile.TemporaryDirectory() as home:
+                if file:
+                    pathlib.Path(home, ".ray").mkdir()
+                    pathlib.Path(home, ".ray", "auth_token").write_text("secret", "utf-8")
+                driver.show_token(variables, pathlib.Path(home))
+                return variables.get("RAY_AUTH_MODE")
+
+        self.assertIsNone(shown(False))
+        self.assertEqual(shown(True), "token")
+        self.assertEqual(shown(False, RAY_AUTH_TOKEN="secret"), "token")
+        self.assertEqual(shown(False, RAY_AUTH_TOKEN_PATH="/run/token"), "token")
+        # Whoever says how it is to be knows better.
+        self.assertEqual(shown(True, RAY_AUTH_MODE="disabled"), "disabled")
+
     def test_an_address_where_nobody_listens_is_told_at_once(self):
         self.assertFalse(driver.answers("127.0.0.1:9"))
         self.assertFalse(driver.answers("ray://127.0.0.1:9"))
@@ -278,6 +294,32 @@ class Node(unittest.TestCase):
             self.assertEqual(
                 (driver.exit_code(code), driver.told(said)), (2, (f"error: {program} does not start: {reason}",))
             )
+
+    def test_a_task_can_be_cancelled_where_ray_was_started_in_the_background(self):
+        with tempfile.TemporaryDirectory() as folder:
+            mark = pathlib.Path(folder, "mark")
+            program = self.script(folder, f"trap 'echo ended >{mark}; exit 75' TERM; echo on >{mark}; while :; do sleep 0.1; done")
+            source = str(pathlib.Path(driver.__file__).parents[1])
+            # As Ray cancels a task: from another thread of its worker.
+            code = f"""
+import _thread, pathlib, signal, sys, threading, time
+sys.path.insert(0, {source!r})
+from convoy import ray
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+def cancel():
+    while not pathlib.Path({str(mark)!r}).exists():
+        time.sleep(0.05)
+    _thread.interrupt_main()
+threading.Thread(target=cancel, daemon=True).start()
+try:
+    ray._called([{program!r}], None)
+except KeyboardInterrupt:
+    sys.exit(7)
+"""
+            worker = subprocess.Popen([sys.executable, "-c", code])
+            self.addCleanup(worker.kill)
+            self.assertEqual(worker.wait(20), 7)
+            self.assertEqual(mark.read_text(), "ended\n")
 
     def test_whoever_starts_a_program_and_goes_ends_it_first(self):
         # Whether the worker is killed or the keeper: the program is told by SIGTERM.

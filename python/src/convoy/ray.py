@@ -12,6 +12,7 @@ import dataclasses
 import heapq
 import itertools
 import os
+import pathlib
 import shutil
 import signal
 import socket
@@ -19,7 +20,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, MutableMapping, Sequence
 from typing import Any, Protocol
 
 # Exit codes of `convoy run`.
@@ -250,6 +251,9 @@ sys.exit(code if code >= 0 else 128 - code)
 
 def _called(words: Sequence[str], log: str | None) -> tuple[int, str, str, float]:
     """Runs a command here: exit code, the end of its output, this host, seconds."""
+    # A cancelled task hears of it by SIGINT, which all ignore that a script started in the background: a `ray start &`, too.
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     host, start = socket.gethostname(), time.monotonic()
     program = shutil.which(words[0])
     if program is None:
@@ -442,6 +446,13 @@ def answers(address: str, within_s: float = 5.0) -> bool:
     return True
 
 
+def show_token(environment: MutableMapping[str, str], home: pathlib.Path) -> None:
+    """Lets Ray show its token, if there is one: nodes of 2.60 ask for it then, and a driver shows it only when told to."""
+    named = any(environment.get(name) for name in ("RAY_AUTH_TOKEN", "RAY_AUTH_TOKEN_PATH"))
+    if named or (home / ".ray" / "auth_token").is_file():
+        environment.setdefault("RAY_AUTH_MODE", "token")
+
+
 def connect(ray: Any, address: str | None) -> str | None:
     """Joins a Ray; why not, in a line."""
     address = address or os.environ.get("RAY_ADDRESS") or "auto"
@@ -473,6 +484,7 @@ def main(words: Sequence[str] | None = None) -> int:
         return USAGE
 
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    show_token(os.environ, pathlib.Path.home())
     try:
         import ray
         import ray.util.scheduling_strategies
