@@ -13,6 +13,7 @@ import { Panels } from './panels.js'
 import { Player } from './player.js'
 import { stale, unmade } from './scene_notes.js'
 import { $, advice, boxName, keysDialog, make, note } from './ui.js'
+import { strideFor } from './view/detail.js'
 import { drawBev, drawCamera, pictureElement } from './view/pictures.js'
 import { View3d, boxColor } from './view/view3d.js'
 
@@ -29,6 +30,8 @@ export class App {
     this.link = {}
     this.version = 0
     this.isDirty = true
+    /** Of how many points one is read while the scene plays, and was for what is on the screen. */
+    this.playStride = this.shownStride = 1
     this.notes = new Map()
     this.view = new View3d($('view-3d'), this.names.tags, () => {
       this.isDirty = true
@@ -286,17 +289,25 @@ export class App {
   /** The requests for the points of all shown agents at a frame. */
   async pointRequests(frame) {
     const requests = []
+    const stride = this.stride()
     for (const agent of this.scene.agents) {
       if (!this.isShown(agent.name)) continue
       for (const sensor of this.sensorsShown(agent.name)) {
-        requests.push({ agent, about: await this.scene.sensor(agent.name, sensor), request: await this.scene.pointsRequest(agent.name, sensor, frame) })
+        requests.push({ agent, about: await this.scene.sensor(agent.name, sensor), request: await this.scene.pointsRequest(agent.name, sensor, frame, stride) })
       }
     }
     return requests
   }
 
+  /** Points are read all, or each so-manieth: so many as a scene that plays is drawn of. What is once less stays so until it is still. */
+  stride() {
+    this.playStride = this.player.isPlaying ? Math.max(this.playStride, strideFor(this.view.detail.share)) : 1
+    return this.playStride
+  }
+
   async showPoints() {
     const { scene, frame, choices: c } = this
+    this.shownStride = this.stride()
     const version = this.pointVersion = (this.pointVersion ?? 0) + 1
     if (!c.layers.has('points')) {
       for (const agent of scene.agents) this.view.hidePoints(agent.name)
@@ -315,7 +326,7 @@ export class App {
         this.view.setPoints(agent.name, index, scene.tables.poseAt(agent, frame), own)
         for (const { reading } of own) {
           tags |= reading.tags
-          count += reading.count
+          count += reading.total
         }
       }
       this.pointsFrame = frame
@@ -481,6 +492,7 @@ export class App {
     this.player.step(seconds, this.frame, this.scene?.frames ?? 0)
     if (this.view.navigation.step(seconds, this.isShiftHeld)) this.isDirty = true
     this.panels.waiting(this.player.isWaiting)
+    if (this.shownStride > this.stride()) this.showPoints()
     if (this.choices.view !== '3d') this.isDirty = false
     else if (this.view.tick(now, this.isDirty, this.player.isPlaying)) this.isDirty = false
   }

@@ -6,12 +6,13 @@ import assert from 'node:assert/strict'
 import test from 'node:test'
 import { partnersOf, sightOf } from '../src/data/cooperation.js'
 import { ScenePredictions, resultsOf, tally } from '../src/data/predictions.js'
+import { joinSplit, picked, readRuns } from '../src/data/encodings.js'
 import { flowArrows, half } from '../src/data/flow.js'
 import { sightings } from '../src/data/sightings.js'
 import { spread } from '../src/data/spread.js'
 import { filtered } from '../src/filters.js'
 import { pieces } from '../src/plots.js'
-import { shareFor } from '../src/view/detail.js'
+import { shareFor, strideFor } from '../src/view/detail.js'
 
 const places = new Map([['vehicle_0', [0, 0, 0]], ['vehicle_1', [80, 0, 0]], ['vehicle_2', [80, 0, 0.1]], ['rsu_0', [10, 0, 4.8]], ['rsu_1', [10, 0, 5]]])
 const limits = { range: 80, elevation: 4.8 }
@@ -146,4 +147,69 @@ test('arrows of flow are means of cells, in pixels, down positive', () => {
     const [u, v, du, dv] = arrows.subarray(i, i + 4)
     assert.ok(Math.abs(du - (v - 2)) < 1e-5 && Math.abs(dv + (u - 3)) < 1e-5, `${[u, v, du, dv]}`)
   }
+})
+
+/** Numbers as runs of Parquet's hybrid encoding: as `[count, value]`, or packed eight by eight. */
+function asRuns(parts, bits) {
+  const bytes = []
+  const header = n => {
+    for (; n > 127; n >>>= 7) bytes.push(n & 127 | 128)
+    bytes.push(n)
+  }
+  for (const part of parts) {
+    if (!part.packed) {
+      header(2 * part.count)
+      for (let shift = 0; shift < bits; shift += 8) bytes.push(part.value >>> shift & 255)
+      continue
+    }
+    header(2 * part.packed.length / 8 + 1)
+    const text = part.packed.map(v => [...v.toString(2).padStart(bits, '0')].reverse().join('')).join('')
+    for (let i = 0; i < text.length; i += 8) bytes.push(parseInt([...text.slice(i, i + 8)].reverse().join(''), 2))
+  }
+  return Uint8Array.from(bytes)
+}
+
+test('runs and packed numbers of all widths are read', () => {
+  for (let bits = 1; bits <= 24; bits++) {
+    const some = count => Array.from({ length: count }, (_, i) => (i * 2654435761 >>> 3) % 2 ** bits)
+    const parts = [{ packed: some(8) }, { count: 1000, value: 2 ** bits - 1 }, { packed: some(2056) }, { count: 3, value: 0 }, { packed: some(16) }]
+    const all = parts.flatMap(part => part.packed ?? Array(part.count).fill(part.value))
+    // The last group has places that are not asked for.
+    const out = new Uint32Array(all.length - 5)
+    readRuns(asRuns(parts, bits), bits, out)
+    assert.deepEqual([...out], all.slice(0, -5), `${bits} bits`)
+  }
+})
+
+test('runs that end too early, or say nothing, are damage', () => {
+  const bytes = asRuns([{ packed: [1, 0, 1, 1, 0, 1, 0, 1] }, { count: 8, value: 1 }], 1)
+  readRuns(bytes, 1, new Uint8Array(16))
+  for (const length of [17, 1000]) assert.throws(() => readRuns(bytes, 1, new Uint8Array(length)), /damaged/)
+  for (let length = 0; length < bytes.length; length++) assert.throws(() => readRuns(bytes.subarray(0, length), 1, new Uint8Array(16)), /damaged/)
+  assert.throws(() => readRuns(Uint8Array.of(0, 1, 0, 1), 1, new Uint8Array(4)), /damaged/)
+})
+
+test('numbers whose bytes lie apart are put together', () => {
+  const apart = (numbers, width) => {
+    const together = new Uint8Array(numbers.buffer)
+    return Uint8Array.from(together, (_, i) => together[i % numbers.length * width + Math.floor(i / numbers.length)])
+  }
+  const floats = Float32Array.of(0, -1.5, 3.25e7, 1e-40, Infinity)
+  assert.deepEqual(joinSplit(apart(floats, 4), 5, Float32Array), floats)
+  const doubles = Float64Array.of(Math.PI, -0.1, 2 ** 60)
+  assert.deepEqual(joinSplit(apart(doubles, 8), 3, Float64Array), doubles)
+  assert.throws(() => joinSplit(apart(doubles, 8).subarray(1), 3, Float64Array), /too short/)
+  // Every so-manieth alone, as from numbers that are whole.
+  const many = Float32Array.from({ length: 100 }, (_, i) => i / 7)
+  for (const stride of [1, 2, 3, 8, 200]) {
+    for (const first of [0, 1, 7, 100]) {
+      const wanted = many.filter((_, i) => i >= first && (i - first) % stride === 0)
+      assert.deepEqual(joinSplit(apart(many, 4), 100, Float32Array, first, stride), wanted)
+      assert.deepEqual(picked(many, first, stride), wanted)
+    }
+  }
+})
+
+test('of points that are not drawn most are not read', () => {
+  assert.deepEqual([1, 0.6, 0.5, 0.3, 0.25, 0.2, 0.125, 1 / 32].map(strideFor), [1, 1, 2, 2, 4, 4, 8, 8])
 })

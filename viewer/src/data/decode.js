@@ -75,15 +75,20 @@ export class Decoder {
     return [{ rows: file.rows, columns, sensor: file.note('sensor') }, [...new Set(transfer)]]
   }
 
-  /** One reading of a lidar or radar, its points in the order of `spread`: `position` (x, y, z in the sensor's frame, m), `facts` (intensity, tag, id low, id high), a radar's `speed` (m/s). */
+  /**
+   * One reading of a lidar or radar, its points in the order of `spread`: `position` (x, y, z in the sensor's frame, m), `facts`
+   * (intensity, tag, id low, id high), a radar's `speed` (m/s). With a `stride` it is each so-manieth point alone; `total` counts all.
+   */
   async points(request) {
     const file = await this.open(ParquetFile, request)
     const isRadar = file.columns.has('depth')
     const { group, row } = file.locate(request.row)
+    const rows = Number(file.groups[group].num_rows)
     const wanted = isRadar ? ['depth', 'altitude', 'azimuth', 'velocity', 'id', 'tag'] : ['x', 'y', 'z', 'intensity', 'id', 'tag']
-    const columns = await file.readGroup(group, wanted)
-    const starts = offsets(columns[wanted[0]], Number(file.groups[group].num_rows))
-    const [from, to] = [starts[row], starts[row + 1]]
+    const columns = await file.readGroup(group, wanted, rows === 1 ? request.stride : 1)
+    const { values, held } = columns[wanted[0]]
+    const [from, to] = rows === 1 ? [0, values.length] : offsets(columns[wanted[0]], rows).subarray(row, row + 2)
+    const total = rows === 1 ? held : to - from
     const count = to - from
     const position = new Float32Array(3 * count)
     const facts = new Uint8Array(4 * count)
@@ -125,7 +130,7 @@ export class Decoder {
     const velocity = isRadar ? take('velocity') ?? [] : null
     const speed = velocity && Float32Array.from(velocity, (_, i) => velocity[order[i]])
     const transfer = [position.buffer, facts.buffer, ...speed ? [speed.buffer] : []]
-    return [{ count, position, facts, speed, tags: tags >>> 0, bytes: (speed ? 20 : 16) * count }, transfer]
+    return [{ count, total, position, facts, speed, tags: tags >>> 0, bytes: (speed ? 20 : 16) * count }, transfer]
   }
 
   /** One picture: as it is, or what `show` makes of it (`mask`: things by id, transparent elsewhere; `instance`, `depth`). */

@@ -3,10 +3,11 @@
 
 import { parquetMetadata } from 'hyparquet'
 import { parquetHeader } from 'hyparquet/src/column.js'
-import { decompressPage, readDataPage } from 'hyparquet/src/datapage.js'
+import { decompressPage } from 'hyparquet/src/datapage.js'
 import { readPlain } from 'hyparquet/src/plain.js'
 import { getMaxDefinitionLevel, getSchemaPath } from 'hyparquet/src/schema.js'
 import { ZSTDDecoder } from 'three/addons/libs/zstddec.module.js'
+import { readPage } from './pages.js'
 
 const TAIL_BYTES = 1 << 16
 /** Columns nearer to one another than this are fetched together, bytes. */
@@ -63,8 +64,11 @@ export class ParquetFile {
     throw new Error(`${this.path} has no row ${row}`)
   }
 
-  /** Columns of one row group: name to `{values, dictionary, definition, repetition, levels}`. Those that are not there are left out. */
-  async readGroup(group, names) {
+  /**
+   * Columns of one row group: name to `{values, held, dictionary, definition, repetition, levels}`. Those that are not there are left
+   * out. Of the `held` values of a column `values` has every `stride`-th.
+   */
+  async readGroup(group, names, stride = 1) {
     const chunks = names.filter(name => this.columns.has(name)).map(name => {
       const meta = this.groups[group].columns[this.places.get(name)].meta_data
       const start = Number(meta.dictionary_page_offset ?? meta.data_page_offset)
@@ -83,18 +87,19 @@ export class ParquetFile {
     const columns = {}
     for (const { name, meta, start, end } of chunks) {
       const span = spans.find(s => s.start <= start && end <= s.end)
-      columns[name] = this.decode(name, meta, span.bytes.subarray(start - span.start, end - span.start))
+      columns[name] = this.decode(name, meta, span.bytes.subarray(start - span.start, end - span.start), stride)
     }
     return columns
   }
 
-  decode(name, meta, bytes) {
+  decode(name, meta, bytes, stride) {
     const schemaPath = this.columns.get(name)
     const { element } = schemaPath.at(-1)
     const decoder = { type: meta.type, element, schemaPath, codec: meta.codec, compressors }
     const reader = { view: new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength), offset: 0 }
     const pages = []
     let dictionary = null
+    let held = 0
     while (reader.offset < bytes.length - 1) {
       const header = parquetHeader(reader)
       const body = bytes.subarray(reader.offset, reader.offset + header.compressed_page_size)
@@ -105,15 +110,14 @@ export class ParquetFile {
         dictionary = readPlain(at, meta.type, header.dictionary_page_header.num_values, element.type_length)
       } else if (header.type === 'DATA_PAGE') {
         const page = decompressPage(body, header.uncompressed_page_size, meta.codec, compressors)
-        const part = readDataPage(page, header.data_page_header, decoder)
-        part.coded = header.data_page_header.encoding.endsWith('_DICTIONARY')
-        part.count = header.data_page_header.num_values
-        pages.push(part)
+        const first = (stride - held % stride) % stride
+        pages.push(readPage(page, header.data_page_header, decoder, { first, stride }))
+        held += pages.at(-1).held
       } else {
         throw new Error(`${this.path}: column ${name} has pages of kind ${header.type}`)
       }
     }
-    return joined(pages, dictionary, meta.type, getMaxDefinitionLevel(schemaPath))
+    return { held, ...joined(pages, dictionary, meta.type, getMaxDefinitionLevel(schemaPath)) }
   }
 }
 
@@ -126,10 +130,10 @@ function unpacked(bytes, size) {
 
 /** Pages of a column as one: numbers in a typed array, texts as codes into a dictionary, other bytes in a plain array. */
 function joined(pages, dictionary, type, levels) {
-  const length = pages.reduce((sum, page) => sum + page.dataPage.length, 0)
+  const length = pages.reduce((sum, page) => sum + page.values.length, 0)
   const isBytes = type === 'BYTE_ARRAY' || type === 'FIXED_LEN_BYTE_ARRAY'
   let values
-  if (isBytes && dictionary && pages.every(page => page.coded)) {
+  if (isBytes && dictionary && pages.every(page => page.isCoded)) {
     values = new Uint32Array(length)
   } else if (isBytes) {
     values = new Array(length)
@@ -139,27 +143,26 @@ function joined(pages, dictionary, type, levels) {
   let at = 0
   for (const page of pages) {
     if (isBytes && !(values instanceof Uint32Array)) {
-      for (const value of page.dataPage) values[at++] = page.coded ? dictionary[value] : value
+      for (const value of page.values) values[at++] = page.isCoded ? dictionary[value] : value
     } else {
-      const part = page.dataPage
-      if (type === 'INT64') for (const value of part) values[at++] = Number(page.coded ? dictionary[value] : value)
-      else if (page.coded && !isBytes) decodeInto(values, at, part, dictionary), at += part.length
+      const part = page.values
+      if (type === 'INT64') for (const value of part) values[at++] = Number(page.isCoded ? dictionary[value] : value)
+      else if (page.isCoded && !isBytes) decodeInto(values, at, part, dictionary), at += part.length
       else values.set(part, at), at += part.length
     }
   }
-  // A list of numbers has as many levels as values: they are put together without plain arrays between.
   const collect = key => {
-    if (pages.every(page => !page[key].length)) return null
-    const all = new Uint8Array(pages.reduce((sum, page) => sum + (page[key].length || page.count), 0))
+    if (pages.every(page => !page[key])) return null
+    const all = new Uint8Array(pages.reduce((sum, page) => sum + page.count, 0))
     let to = 0
     for (const page of pages) {
-      if (page[key].length) all.set(page[key], to)
+      if (page[key]) all.set(page[key], to)
       else all.fill(levels, to, to + page.count)
-      to += page[key].length || page.count
+      to += page.count
     }
     return all
   }
-  return { values, dictionary: values instanceof Uint32Array ? dictionary : null, definition: collect('definitionLevels'), repetition: collect('repetitionLevels'), levels, isFlag: type === 'BOOLEAN' }
+  return { values, dictionary: values instanceof Uint32Array ? dictionary : null, definition: collect('definition'), repetition: collect('repetition'), levels, isFlag: type === 'BOOLEAN' }
 }
 
 function decodeInto(values, at, codes, dictionary) {

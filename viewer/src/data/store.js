@@ -129,8 +129,9 @@ export class Scene {
     return { ...this.file(`sensors/${agent}/${sensor}.parquet`), row }
   }
 
-  async pointsRequest(agent, sensor, frame) {
-    return { kind: 'points', ...await this.reading(agent, sensor, frame) }
+  /** Of the points of a frame each one, or every `stride`-th. */
+  async pointsRequest(agent, sensor, frame, stride = 1) {
+    return { kind: 'points', ...await this.reading(agent, sensor, frame), stride }
   }
 
   async imageRequest(agent, kind, camera, frame, show, width) {

@@ -88,6 +88,7 @@ export class PointCloud {
   constructor(style, color) {
     this.capacity = 0
     this.count = 0
+    this.total = 0
     const material = new ShaderMaterial({
       vertexShader: VERTEX, fragmentShader: FRAGMENT,
       uniforms: { ...style.shared, agentColor: { value: new Vector3(...bytesOf(color).map(v => v / 255)) } },
@@ -115,12 +116,13 @@ export class PointCloud {
       attribute.needsUpdate = true
     }
     this.count = reading.count
+    this.total = reading.total
     this.showSpeeds(reading, matrix, velocity)
   }
 
-  /** Draws a share of the points: those at the front of a reading are spread over all of it. */
+  /** Draws a share of all points, as far as they are here: those at the front of a reading are spread over all of it. */
   draw(share) {
-    this.object.geometry.setDrawRange(0, Math.ceil(share * this.count))
+    this.object.geometry.setDrawRange(0, Math.min(this.count, Math.ceil(share * this.total)))
   }
 
   /** Lines along a radar's rays, as long as a second's way over ground; `velocity` is the agent's in the world, m/s. */

@@ -44,8 +44,8 @@ export class View3d {
     this.camera.position.set(-30, 0, 20)
     this.navigation = new Navigation(this.camera, canvas, changed)
     this.style = new PointStyle(tags)
-    this.boxes = new BoxLines()
-    this.predicted = new BoxLines({ dashed: true })
+    this.boxes = new BoxLines({ hasThin: this.isSoftware })
+    this.predicted = new BoxLines({ dashed: true, hasThin: this.isSoftware })
     this.links = new Links()
     this.measure = new Measure()
     this.tracks = new TrackLines()
@@ -197,16 +197,18 @@ export class View3d {
 
   /** Draws what has changed, or what was left out of a moving picture; whether it did. */
   tick(now, isDirty, isPlaying) {
-    const share = this.detail.next(now, isDirty, isPlaying)
-    if (share === null) return false
-    this.render(share)
-    this.detail.drawn(now, share)
+    const next = this.detail.next(now, isDirty, isPlaying)
+    if (!next) return false
+    const isThin = this.isSoftware && !next.isStill
+    this.render(next.share, isThin)
+    this.detail.drawn(now, next.share, next.share === 1 && !isThin)
     return true
   }
 
-  /** Draws now, with a share of the points. */
-  render(share = 1) {
+  /** Draws now, with a share of the points, and with boxes of thin lines or as they are. */
+  render(share = 1, isThin = false) {
     for (const cloud of this.clouds.values()) cloud.draw(share)
+    for (const boxes of [this.boxes, this.predicted]) boxes.setThin(isThin)
     this.renderer.render(this.graph, this.camera)
     this.overlay.draw(this.camera, this.navigation.controls.target, this.labelList, this.theme)
     this.film?.take(this.renderer.domElement, this.overlay.canvas)
