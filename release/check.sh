@@ -71,7 +71,7 @@ for root in ${ROOTS:-}; do
     # `chroot` needs root; programs ask Linux about themselves in /proc.
     mount --bind /proc "$root/proc"
     code=0
-    env -i PATH=/usr/bin:/bin CONVOY_DEVICE=cpu chroot "$root" /convoy/bin/convoy demo --out /demo --progress none >"$work/said" || code=$?
+    env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin CONVOY_DEVICE=cpu chroot "$root" /convoy/bin/convoy demo --out /demo --progress none >"$work/said" || code=$?
     umount "$root/proc"
     [[ $code == 0 ]] || die "$system: the demo ended with $code"
     same "$system" "$root/demo"
