@@ -298,7 +298,8 @@ class Node(unittest.TestCase):
     def test_a_task_can_be_cancelled_where_ray_was_started_in_the_background(self):
         with tempfile.TemporaryDirectory() as folder:
             mark = pathlib.Path(folder, "mark")
-            program = self.script(folder, f"trap 'echo ended >{mark}; exit 75' TERM; echo on >{mark}; while :; do sleep 0.1; done")
+            wait = f"trap 'echo ended >{mark}; exit 75' TERM; echo on >{mark}; while :; do sleep 0.1; done"
+            program = self.script(folder, wait)
             source = str(pathlib.Path(driver.__file__).parents[1])
             # As Ray cancels a task: from another thread of its worker.
             code = f"""

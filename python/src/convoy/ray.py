@@ -251,7 +251,7 @@ sys.exit(code if code >= 0 else 128 - code)
 
 def _called(words: Sequence[str], log: str | None) -> tuple[int, str, str, float]:
     """Runs a command here: exit code, the end of its output, this host, seconds."""
-    # A cancelled task hears of it by SIGINT, which all ignore that a script started in the background: a `ray start &`, too.
+    # A cancelled task hears of it by SIGINT, which whatever a script starts in the background ignores: a Ray, too.
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     host, start = socket.gethostname(), time.monotonic()
