@@ -235,6 +235,15 @@ class Reading(unittest.TestCase):
                 read()
             self.assertIn(words, str(caught.exception))
             self.assertEqual(str(pickle.loads(pickle.dumps(caught.exception))), str(caught.exception))
+        # Rows that are not there are the store's fault, and told with a remedy.
+        agent = self.scene.frame(FRAME).agent("vehicle_0")
+        empty = agent.frame._labels("hd_map", ["frame", "agent"], "nobody")
+        no_labels = mock.patch.object(type(agent.frame), "_labels", return_value=empty)
+        with no_labels, self.assertRaisesRegex(convoy.StoreError, "no map record.*verify"):
+            agent.hd_map()
+        no_rows = mock.patch.object(type(agent), "_rows", return_value=empty)
+        with no_rows, self.assertRaisesRegex(convoy.StoreError, "no row of this frame.*verify"):
+            agent._record("sensors/vehicle_0/GNSS", "GNSS")
         with self.assertRaisesRegex(convoy.StoreError, "no finished plan"):
             convoy.Dataset(STORE / "maps")
 

@@ -304,7 +304,7 @@ class Agent:
         )
         rows = self.frame._labels("hd_map", names, self.name).to_pylist()
         if not rows:
-            raise self.fault("it has no map record", f"{self._agent.frame.scene._files.verify} says what is damaged", "hd_map")
+            raise self.fault("it has no map record", f"{self.frame.scene._files.verify} says what is damaged", "hd_map")
         record: dict[str, Any] = rows[0]
         return record
 
@@ -399,7 +399,7 @@ class Agent:
         self._index(self.sensor(sensor).every_n_frames, sensor)
         rows = self._rows(table, sensor).to_pylist()
         if not rows:
-            raise self.fault("has no row of this frame", f"{self._agent.frame.scene._files.verify} says what is damaged", sensor)
+            raise self.fault("has no row of this frame", f"{self.frame.scene._files.verify} says what is damaged", sensor)
         record: dict[str, Any] = rows[0]
         return record
 
